@@ -1,0 +1,24 @@
+// Writes the linear CGNS meshes that command_line_test.py feeds to the program into the folder given.
+#include "support/sphere_shell.h"
+
+#include <recurve/io/cgns.h>
+#include <recurve/mesh/curved_mesh.h>
+#include <recurve/mesh/join_zones.h>
+
+#include <filesystem>
+
+int main(int argc, char** argv)
+{
+  using namespace recurve;
+  if (argc != 2)
+    return 1;
+  const std::filesystem::path folder = argv[1];
+  std::filesystem::create_directories(folder);
+  const auto write = [&](const test::Shell_options& options, const char* name) {
+    Volume_mesh mesh = test::sphere_shell(options);
+    const Joined_zones joined = join_zones(mesh);
+    write_cgns(elevate(std::move(mesh), joined, 1), folder / name);
+  };
+  write({4, 2, Element_type::hexahedron, test::Outer_shape::box}, "shell.cgns");
+  write({30, 10, Element_type::tetrahedron, test::Outer_shape::sphere}, "large.cgns");
+}

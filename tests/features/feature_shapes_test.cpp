@@ -1,0 +1,147 @@
+// Shapes whose feature curves are known, detected with the default options: all of the true edges, and no others.
+#include "support/feature_check.h"
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+
+using namespace recurve;
+using namespace recurve::test;
+
+namespace {
+
+const Split all_splits[] = {Split::quads, Split::same, Split::alternating};
+
+struct Expected
+{
+  int edges, corners;
+  int false_edges = 0;
+};
+
+void require_features(const std::string& name, const std::function<Surface(Split)>& make, Expected expected)
+{
+  for (const Split split : all_splits)
+  {
+    const Score score = detect(make(split)).score;
+    CAPTURE(name, static_cast<int>(split));
+    CHECK(score.truth == expected.edges);
+    CHECK(score.hits == expected.edges);
+    CHECK(score.false_edges == expected.false_edges);
+    CHECK(score.sharp_vertices == expected.corners);
+  }
+}
+
+} // namespace
+
+TEST_CASE("sharp-edged solids: every edge and corner")
+{
+  require_features("cube, one face a side", [](Split s) { return cube(1, s); }, {12, 8});
+  require_features("cube", [](Split s) { return cube(4, s); }, {48, 8});
+  require_features("bracket with a concave edge", l_bracket, {44, 12});
+  require_features("quarter of a disc", [](Split s) { return quarter_disc_prism(6, s); }, {33, 6});
+}
+
+TEST_CASE("curves per solid")
+{
+  const auto curves = [](const Surface& s) { return detect(s).report.curves; };
+  CHECK(curves(cube(4, Split::same)).size() == 12);
+  CHECK(curves(l_bracket(Split::same)).size() == 18);
+  CHECK(curves(quarter_disc_prism(6, Split::same)).size() == 9);
+  const auto rims = curves(cylinder(24, 4, true, Split::quads));
+  REQUIRE(rims.size() == 2);
+  for (const auto& rim : rims)
+  {
+    CHECK(rim.is_closed);
+    CHECK(rim.first_end == Curve_end::none);
+    CHECK(rim.edges == 24);
+    CHECK(rim.length == Approx(48 * std::sin(pi / 24)));
+    CHECK(rim.max_dihedral == Approx(90));
+    CHECK_FALSE(rim.is_pinned);
+  }
+}
+
+TEST_CASE("cylinders: the rims, however coarse the round side")
+{
+  for (const int n : {48, 24, 12, 9})
+    require_features("closed " + std::to_string(n), [n](Split s) { return cylinder(n, 4, true, s); }, {2 * n, 0});
+  // the rim itself turns by 45 and 60 degrees: corners
+  for (const int n : {8, 6})
+    require_features("closed " + std::to_string(n), [n](Split s) { return cylinder(n, 4, true, s); }, {2 * n, 2 * n});
+  for (const int n : {24, 12})
+    require_features("open " + std::to_string(n), [n](Split s) { return cylinder(n, 4, false, s); }, {0, 0});
+}
+
+TEST_CASE("cones: the rim, and the tip where it is sharp")
+{
+  require_features("steep", [](Split s) { return cone(24, std::sqrt(3.), s); }, {24, 1});
+  require_features("flat", [](Split s) { return cone(24, 0.5, s); }, {24, 0});
+  const auto report = detect(cone(24, std::sqrt(3.), Split::same)).report;
+  CHECK(report.isolated_corners == 1);
+  CHECK(report.rejected_edges[static_cast<int>(Rejection::overshadowed)] == 24 * 4);
+}
+
+TEST_CASE("smooth closed surfaces have no features, however coarse")
+{
+  for (const int level : {1, 2, 3})
+    CHECK(detect(icosphere(level)).report.critical_edges == 0);
+  for (const auto& [n, rows] : {std::pair{16, 8}, std::pair{24, 12}, std::pair{36, 18}})
+    require_features("sphere", [n = n, rows = rows](Split s) { return uv_sphere(n, rows, s); }, {0, 0});
+  for (const auto& [n, m] : {std::pair{24, 12}, std::pair{48, 24}})
+    require_features("torus", [n = n, m = m](Split s) { return torus(n, m, s); }, {0, 0});
+}
+
+TEST_CASE("a shallow joint of two round surfaces is one loop")
+{
+  for (const int degrees : {15, 20, 30})
+    require_features("joint", [=](Split s) { return frustum_joint(degrees, 24, s); }, {24, 0});
+  require_features("shallow joint", [](Split s) { return frustum_joint(12, 48, s); }, {48, 0});
+}
+
+TEST_CASE("wings: trailing edge and tip, nothing at the leading edge")
+{
+  for (const int nc : {32, 64})
+    require_features("sharp", [nc](Split s) { return wing(nc, false, s); }, {2 * nc + 8, 1});
+  require_features("blunt", [](Split s) { return wing(32, true, s); }, {2 * 32 + 1 + 16, 2});
+  // with so few points the leading edge is as sharp as an edge can be: 100 degrees at eight steps a side
+  require_features("eight steps", [](Split s) { return wing(8, false, s); }, {24, 4, 24});
+}
+
+TEST_CASE("creases from border to border are kept down to the weak angle")
+{
+  for (const int degrees : {12, 20, 30, 45, 80})
+    require_features("crease", [=](Split s) { return crease([=](double) { return degrees; }, s); }, {16, 0});
+}
+
+TEST_CASE("a crease that fades out is kept as far as it is a crease, if it is strong somewhere")
+{
+  for (const Split split : all_splits)
+  {
+    const auto score = [&](double from) {
+      return detect(crease([=](double x) { return from * (1 - x); }, split)).score;
+    };
+    CHECK(score(90).hits >= 13);
+    CHECK(score(90).false_edges == 0);
+    CHECK(score(30).false_edges == 0);
+    CHECK(score(60).false_edges == 0);
+  }
+}
+
+TEST_CASE("a chamfer has two seams, a rounded edge none")
+{
+  require_features("chamfer", [](Split s) { return rounded_edge(1, s); }, {16, 0});
+  for (const int n : {3, 4, 6, 9})
+    require_features("rounded", [n](Split s) { return rounded_edge(n, s); }, {0, 0});
+}
+
+TEST_CASE("noise makes no features")
+{
+  const unsigned seed = GENERATE(1u, 2u, 3u, 4u, 5u);
+  CAPTURE(seed);
+  for (const double size : {0.005, 0.01, 0.02, 0.03})
+    CHECK(detect(roughen(icosphere(3), size, seed)).report.critical_edges == 0);
+  for (const Split split : all_splits)
+  {
+    CHECK(detect(roughen(cube(8, split), 0.01, seed)).score.is_exact());
+    CHECK(detect(roughen(cylinder(24, 4, true, split), 0.02, seed)).score.is_exact());
+  }
+}

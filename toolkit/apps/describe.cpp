@@ -1,0 +1,224 @@
+#include "describe.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <iterator>
+#include <map>
+
+namespace recurve {
+
+namespace {
+
+/// "1,234,567": what people read.
+std::string grouped(Index number)
+{
+  std::string digits = std::to_string(number);
+  for (auto at = static_cast<std::ptrdiff_t>(digits.size()) - 3; at > (number < 0 ? 1 : 0); at -= 3)
+    digits.insert(static_cast<std::size_t>(at), ",");
+  return digits;
+}
+
+std::string counted(Index number, std::string_view singular, std::string_view plural)
+{
+  return fmt::format("{} {}", grouped(number), number == 1 ? singular : plural);
+}
+
+std::string_view plural_name(Element_type type)
+{
+  switch (type)
+  {
+  case Element_type::tetrahedron: return "tetrahedra";
+  case Element_type::pyramid: return "pyramids";
+  case Element_type::prism: return "prisms";
+  case Element_type::hexahedron: return "hexahedra";
+  default: return element_name(type);
+  }
+}
+
+template <class CountOf>
+std::string cells_by_type(CountOf count_of)
+{
+  std::vector<std::string> parts;
+  for (Element_type type :
+       {Element_type::tetrahedron, Element_type::pyramid, Element_type::prism, Element_type::hexahedron})
+    if (const Index count = count_of(type); count > 0)
+      parts.push_back(counted(count, element_name(type), plural_name(type)));
+  return parts.empty() ? "no cells" : fmt::format("{}", fmt::join(parts, ", "));
+}
+
+std::string at_point(const Point& point)
+{
+  return fmt::format("({:.6g}, {:.6g}, {:.6g})", point[0], point[1], point[2]);
+}
+
+/// rows as columns: all but the last padded to their longest entry.
+std::string table(const std::vector<std::vector<std::string>>& rows)
+{
+  std::vector<std::size_t> widths;
+  for (const auto& row : rows)
+    for (std::size_t c = 0; c < row.size(); ++c)
+    {
+      if (c == widths.size())
+        widths.push_back(0);
+      widths[c] = std::max(widths[c], row[c].size());
+    }
+  std::string text;
+  for (const auto& row : rows)
+  {
+    std::string line = " ";
+    for (std::size_t c = 0; c < row.size(); ++c)
+      line += fmt::format(" {:<{}}", row[c], widths[c]);
+    line.erase(line.find_last_not_of(' ') + 1);
+    text += line + "\n";
+  }
+  return text;
+}
+
+std::string describe_zones(const Mesh_summary& summary)
+{
+  std::vector<std::vector<std::string>> rows = {{"zone", "points", "cells", "family"}};
+  for (const Zone_summary& zone : summary.zones)
+    rows.push_back({zone.name, grouped(zone.points),
+                    cells_by_type([&](Element_type type) { return zone.cells[static_cast<std::size_t>(type)]; }),
+                    zone.family});
+  return table(rows);
+}
+
+std::string describe_patches(const Mesh_summary& summary)
+{
+  if (summary.patches.empty())
+    return "no patches\n";
+  std::vector<std::vector<std::string>> rows = {
+    {"patch", "zone", "triangles", "quadrangles", "kind", "family", "place"}};
+  for (const Patch_summary& patch : summary.patches)
+    rows.push_back({patch.name, patch.zone, grouped(patch.triangles), grouped(patch.quadrangles), patch.kind,
+                    patch.family, std::string(to_string(patch.place))});
+  return table(rows);
+}
+
+std::string describe_interfaces(const Mesh_summary& summary)
+{
+  std::vector<std::vector<std::string>> rows = {{"interface", "zone", "donor zone", "pairs", "kind"}};
+  for (const Interface_summary& interface : summary.interfaces)
+    rows.push_back({interface.name, interface.zone, interface.donor_zone, grouped(interface.points),
+                    interface.is_periodic              ? "periodic"
+                    : interface.is_abutting_one_to_one ? "one-to-one"
+                                                       : "not one-to-one: kept as a name"});
+  std::string text = summary.interfaces.empty() ? "" : table(rows);
+  for (const Joined_pair& pair : summary.joined_zones)
+    text += fmt::format("  zones {} and {} share {} ({} by connectivity, {} by position)\n", pair.zone_a, pair.zone_b,
+                        counted(pair.points_by_connectivity + pair.points_by_geometry, "point", "points"),
+                        grouped(pair.points_by_connectivity), grouped(pair.points_by_geometry));
+  return text;
+}
+
+std::string describe_faults(const Mesh_summary& summary)
+{
+  std::string text;
+  const auto say = [&](Index count, std::string_view what) {
+    if (count > 0)
+      text += fmt::format("  {} {}\n", grouped(count), what);
+  };
+  say(summary.orientation.mirrored_cells, "cells are inside out and are turned");
+  say(static_cast<Index>(summary.orientation.invalid_cells.size()),
+      "cells are folded (corner Jacobians of both signs)");
+  say(static_cast<Index>(summary.orientation.collapsed_cells.size()),
+      "cells are collapsed (a corner Jacobian of zero)");
+  say(summary.boundary.unassigned_faces, "boundary faces are in no patch; they became the patch \"unassigned\"");
+  say(summary.boundary.faces_without_cell, "faces belong to no cell");
+  say(summary.boundary.duplicate_faces, "faces are listed more than once");
+  say(summary.boundary.crowded_faces, "faces have more than two cells: cells overlap");
+  return text;
+}
+
+/// the names of the patches with, or without, curved faces; each once.
+std::vector<std::string> patch_names(const Curving_report& report, bool is_curved)
+{
+  std::vector<std::string> names;
+  for (std::size_t p = 0; p < report.mesh.patches.size(); ++p)
+    if ((report.curved_faces[p] > 0) == is_curved &&
+        std::find(names.begin(), names.end(), report.mesh.patches[p].name) == names.end())
+      names.push_back(report.mesh.patches[p].name);
+  return names;
+}
+
+std::string describe_names(const std::vector<std::string>& names)
+{
+  // A line or two; the report lists them all.
+  constexpr std::size_t listed_names = 12;
+  const auto count = static_cast<std::ptrdiff_t>(std::min(names.size(), listed_names));
+  std::string text = fmt::format("{}", fmt::join(names.begin(), names.begin() + count, ", "));
+  if (names.size() > listed_names)
+    text += fmt::format(" and {} more", names.size() - listed_names);
+  return names.empty() ? "none" : text;
+}
+
+std::string describe_lowerings(const Reconstruction_report& fits)
+{
+  std::map<std::string_view, Index> reasons;
+  for (const Lowering& lowering : fits.lowerings)
+    ++reasons[lowering_reason_name(lowering.reason)];
+  std::vector<std::string> parts;
+  for (const auto& [reason, count] : reasons)
+    parts.push_back(fmt::format("{} {}", reason, grouped(count)));
+  return parts.empty() ? "none at a lower degree"
+                       : fmt::format("{} at a lower degree ({})", grouped(fits.lowered_faces), fmt::join(parts, ", "));
+}
+
+std::string describe_displacement(const Curving_report& report)
+{
+  const Largest_displacement& largest = report.largest_displacement;
+  if (largest.length == 0)
+    return "no node moved: the mesh is exactly straight\n";
+  const Largest_displacement& relative = report.largest_relative_displacement;
+  return fmt::format("largest displacement {:.4g} at {} on {}; relative to the edge {:.3g} % at {} on {}\n",
+                     largest.length, at_point(largest.at), largest.patch, 100 * relative.relative,
+                     at_point(relative.at), relative.patch);
+}
+
+} // namespace
+
+std::string describe(const Mesh_summary& summary, const std::vector<std::string>& notes)
+{
+  std::string text = fmt::format(
+    "{} in {}: {}, {}\nbounding box {} to {}\n", counted(summary.cell_count(), "cell", "cells"),
+    counted(static_cast<Index>(summary.zones.size()), "zone", "zones"),
+    cells_by_type([&](Element_type type) { return summary.cell_count(type); }),
+    counted(summary.point_count(), "point", "points"), at_point(summary.smallest), at_point(summary.largest));
+  text += "\n" + describe_zones(summary) + "\n" + describe_patches(summary);
+  for (const std::string& part : {describe_interfaces(summary), describe_faults(summary)})
+    if (!part.empty())
+      text += "\n" + part;
+  if (!notes.empty())
+    text += fmt::format("\nnotes\n  {}\n", fmt::join(notes, "\n  "));
+  return text;
+}
+
+std::string describe(const Curving_report& report)
+{
+  const Mesh_summary& mesh = report.mesh;
+  std::string text =
+    fmt::format("{}: {} in {}\n", report.input, cells_by_type([&](Element_type type) { return mesh.cell_count(type); }),
+                counted(static_cast<Index>(mesh.zones.size()), "zone", "zones"));
+  text += fmt::format("curved to degree {} with fits of degree {}: {}\n", report.options.degree,
+                      report.options.effective_fit_degree(), describe_names(patch_names(report, true)));
+  if (const auto kept = patch_names(report, false); !kept.empty())
+    text += fmt::format("kept straight: {}\n", describe_names(kept));
+  text +=
+    fmt::format("features: {}, {}, {}\n", counted(report.features.critical_edges, "critical edge", "critical edges"),
+                counted(static_cast<Index>(report.features.curves.size()), "curve", "curves"),
+                counted(report.features.sharp_vertices, "sharp vertex", "sharp vertices"));
+  text += fmt::format("fits: {}, {} planar, {}\n", counted(report.fits.faces, "face", "faces"),
+                      grouped(report.fits.planar_faces), describe_lowerings(report.fits));
+  text += describe_displacement(report);
+  text += fmt::format("{} of {} are exactly straight\n", grouped(report.straight_cells),
+                      counted(report.cells, "cell", "cells"));
+  text += describe_faults(mesh);
+  text += fmt::format("validity was {}\nwrote {} in {:.1f} s with at most {:.0f} MiB\n", report.validity, report.output,
+                      report.seconds, static_cast<double>(report.peak_memory_bytes) / (1024.0 * 1024.0));
+  return text;
+}
+
+} // namespace recurve

@@ -1,0 +1,286 @@
+#ifndef RECURVE_FEATURES_INTERNAL_REJECT_CURVES_H
+#define RECURVE_FEATURES_INTERNAL_REJECT_CURVES_H
+
+#include <recurve/features/feature_report.h>
+#include <recurve/features/internal/classify_edges.h>
+#include <recurve/features/internal/smooth_contrast.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace recurve::internal::features {
+
+/// How a candidate curve stands at one end.
+enum class End_type : std::uint8_t
+{
+  none,     ///< the curve goes on
+  dangling, ///< the only candidate at its vertex
+  doubtful, ///< at a turn or a junction that it does not support itself
+  supported ///< at a corner, a junction or a border that it has a right to
+};
+
+/// Assembles the candidate edges into curves and rejects unlikely ones, until none is rejected any more. All curves of
+/// a sweep are judged before any is removed, so that the order of the edges does not matter.
+class Curve_rejector
+{
+public:
+  Curve_rejector(const Flat_surface& s, const Surface_angles& a, const Edge_classes& c, const Feature_options& options)
+    : s_(s), a_(a), c_(c), options_(options), contrast_(s, a, options.sharp_angle), is_kept_(c.is_candidate)
+  {}
+
+  /// returns which edges are left; counts and rejected curves go into `report`.
+  std::vector<char> run(Feature_report& report)
+  {
+    if (options_.reject_smooth)
+      contrast_of_.assign(s_.number_of_edges(), -1);
+    bool has_changed = true;
+    while (has_changed)
+    {
+      gather();
+      rejected_.clear();
+      for_each_curve([&](std::vector<Index>& curve, bool is_closed) { judge(curve, is_closed, report); });
+      for (const Index e : rejected_)
+        is_kept_[e] = false;
+      has_changed = !rejected_.empty();
+      ++report.sweeps;
+    }
+    return std::move(is_kept_);
+  }
+
+private:
+  /// prepares a sweep: lists the half-edges of kept candidates, and finds out how each stands at its source.
+  void gather()
+  {
+    out_.emplace(s_, [&](Index e) { return is_kept_[e] != 0; });
+    end_.assign(2 * s_.number_of_edges(), End_type::none);
+    continuation_.assign(2 * s_.number_of_edges(), no_index);
+    is_walked_.assign(s_.number_of_edges(), 0);
+    is_touched_.assign(s_.number_of_vertices(), 0);
+    for (Index v = 0; v < s_.number_of_vertices(); ++v)
+    {
+      for (const Index h : (*out_)[v])
+        end_[h] = end_type(v, h);
+      pair_half_edges(v);
+    }
+  }
+
+  /// joins the two half-edges at `v` that are one curve: both, where there are only two and no turn; at a junction the
+  /// two that have no right to end there, where there are just two of them, they go straight on, and what else meets
+  /// there is stronger and only touches them.
+  void pair_half_edges(Index v)
+  {
+    const auto around = (*out_)[v];
+    const bool is_junction = around.size() > 2;
+    Index open[2] = {no_index, no_index};
+    int count = 0;
+    for (const Index h : around)
+      if (end_[h] == End_type::none || (is_junction && end_[h] == End_type::doubtful))
+        if (count++ < 2)
+          open[count - 1] = h;
+    if (count != 2 || (is_junction && !is_touched_there(open[0], open[1])))
+      return;
+    is_touched_[v] = is_junction;
+    for (const int i : {0, 1})
+    {
+      continuation_[open[i]] = open[1 - i];
+      end_[open[i]] = End_type::none;
+    }
+  }
+
+  /// whether the curve through the half-edges `h` and `g` goes straight on at their source, and has all the other
+  /// candidates there, which are stronger, on one side.
+  bool is_touched_there(Index h, Index g) const
+  {
+    if (turning(h, g) > options_.turning_angle + angle_tie)
+      return false;
+    const double strongest = std::max(a_.dihedral[h / 2], a_.dihedral[g / 2]);
+    for (const Index k : (*out_)[s_.source_of(h)])
+      if (k != h && k != g && a_.dihedral[k / 2] < strongest)
+        return false;
+    const auto is_side_free = [&](Index from, Index to) {
+      for (Index k = from ^ 1; k != no_index;)
+      {
+        k = s_.next[k]; // the next half-edge out of the vertex
+        if (k == no_index || k == to)
+          return k == to;
+        if (is_kept_[k / 2])
+          return false;
+        k ^= 1;
+      }
+      return false;
+    };
+    return is_side_free(h, g) || is_side_free(g, h);
+  }
+
+  double turning(Index h, Index g) const { return 180 - angle_between(direction(s_, h), direction(s_, g)); }
+
+  bool is_sharp(Index h) const { return a_.dihedral[h / 2] > options_.sharp_angle; }
+
+  bool has(Index h, std::uint8_t strength) const { return (c_.strength[h] & strength) == strength; }
+
+  End_type end_type(Index v, Index h) const
+  {
+    const auto around = (*out_)[v];
+    if (around.size() == 1)
+      return single_end_type(v, h);
+    if (around.size() > 2)
+      return junction_end_type(v, h);
+    const Index first = *around.begin(), second = *(around.begin() + 1);
+    const bool is_turn = c_.is_sharp_corner[v] || turning(first, second) > options_.turning_angle + angle_tie;
+    return is_turn && !(is_sharp(first) && is_sharp(second)) ? End_type::doubtful : End_type::none;
+  }
+
+  End_type single_end_type(Index v, Index h) const
+  {
+    if (is_sharp(h) && (c_.is_sharp_corner[v] || (options_.border_ends && a_.is_pinned_vertex[v])))
+      return End_type::supported;
+    const bool is_border_end = options_.border_ends && a_.is_pinned_vertex[v] && has(h, largest_dihedral | along_ridge);
+    return is_border_end ? End_type::supported : End_type::dangling;
+  }
+
+  End_type junction_end_type(Index v, Index h) const
+  {
+    const double dihedral = a_.dihedral[h / 2];
+    const bool is_ridge = c_.shape[v] == Vertex_shape::ridge;
+    const bool is_weak = dihedral < options_.end_angle, is_not_sharp = dihedral <= options_.sharp_angle;
+    const bool is_doubtful = (is_weak && c_.has_sharp_edge[v]) ||
+                             (is_weak && is_ridge && !has(h, largest_dihedral | along_ridge)) ||
+                             (is_not_sharp && c_.has_acute_edge[v]) ||
+                             (is_not_sharp && is_ridge && !has(h, largest_dihedral) && !has(h, along_ridge));
+    return is_doubtful ? End_type::doubtful : End_type::supported;
+  }
+
+  /// the half-edge that continues a curve after `h`, or no_index where the curve ends.
+  Index following(Index h) const { return continuation_[h ^ 1]; }
+
+  /// calls `visit(half-edges, is closed)` once for each curve of kept candidates: the open ones first.
+  template <class Visitor>
+  void for_each_curve(Visitor visit)
+  {
+    for (const bool is_closed : {false, true})
+      for (const Index h : out_->halfedges)
+        if (!is_walked_[h / 2] && (is_closed || end_[h] != End_type::none))
+        {
+          walk(h);
+          visit(curve_, is_closed);
+        }
+  }
+
+  void walk(Index first)
+  {
+    curve_.clear();
+    for (Index h = first; h != no_index && !is_walked_[h / 2]; h = following(h))
+    {
+      curve_.push_back(h);
+      is_walked_[h / 2] = 1;
+    }
+  }
+
+  void judge(std::vector<Index>& curve, bool is_closed, Feature_report& report)
+  {
+    if (const auto reason = is_closed ? std::nullopt : reason_by_ends(curve))
+      reject(curve, is_closed, *reason, report);
+    else if (options_.reject_smooth)
+      reject_smooth_parts(curve, is_closed, report);
+  }
+
+  void reject(std::span<const Index> curve, bool is_closed, Rejection reason, Feature_report& report)
+  {
+    Rejected_curve r;
+    r.reason = reason;
+    r.is_closed = is_closed;
+    r.first_vertex = s_.source_of(curve.front());
+    r.last_vertex = s_.target[curve.back()];
+    r.edges = static_cast<Index>(curve.size());
+    for (const Index h : curve)
+    {
+      r.length += norm(s_.points[s_.target[h]] - s_.points[s_.source_of(h)]);
+      r.max_dihedral = std::max(r.max_dihedral, a_.dihedral[h / 2]);
+      rejected_.push_back(h / 2);
+    }
+    report.rejected_edges[static_cast<int>(r.reason)] += r.edges;
+    report.rejected.push_back(r);
+  }
+
+  /// rejects the maximal parts of `curve` without an edge above the angle that is safe, where the surface bends beside
+  /// them as along them: the whole curve, or a long part of it (the leading edge of a wing that goes over into the
+  /// sharp edge of its tip).
+  void reject_smooth_parts(std::vector<Index>& curve, bool is_closed, Feature_report& report)
+  {
+    // stronger curves that touch it again and again know that it is there
+    if (std::count_if(curve.begin(), curve.end(), [&](Index h) { return is_touched_[s_.source_of(h)] != 0; }) > 1)
+      return;
+    const double safe_angle = std::min(options_.smooth_angle, options_.sharp_angle);
+    const auto is_safe = [&](Index h) { return a_.dihedral[h / 2] > safe_angle; };
+    if (is_closed)
+      std::rotate(curve.begin(), std::find_if(curve.begin(), curve.end(), is_safe), curve.end());
+    for (auto first = curve.begin(); first != curve.end();)
+    {
+      first = std::find_if_not(first, curve.end(), is_safe);
+      const auto last = std::find_if(first, curve.end(), is_safe);
+      const std::span<const Index> part(first, last);
+      const bool is_whole = part.size() == curve.size();
+      if ((is_whole || static_cast<int>(part.size()) > options_.strong_edges) && is_smooth(part))
+        reject(part, is_closed && is_whole, Rejection::smooth, report);
+      first = last;
+    }
+  }
+
+  std::optional<Rejection> reason_by_ends(const std::vector<Index>& curve) const
+  {
+    const Index first = curve.front(), last = curve.back() ^ 1;
+    const auto is_obscure = [&](Index h) { return end_[h] == End_type::dangling || end_[h] == End_type::doubtful; };
+    if (!is_obscure(first) && !is_obscure(last))
+      return std::nullopt;
+    const Index strong_edges =
+      std::count_if(curve.begin(), curve.end(), [&](Index h) { return a_.dihedral[h / 2] > options_.strong_angle; });
+    const bool is_dangling = end_[first] == End_type::dangling || end_[last] == End_type::dangling;
+    if (strong_edges <= options_.strong_edges && is_dangling)
+      return Rejection::dangling;
+    if (strong_edges <= options_.strong_edges && is_obscure(first) && is_obscure(last))
+      return Rejection::doubtful;
+    const auto is_at_feature = [&](Index h) {
+      return c_.has_sharp_edge[s_.source_of(h)] || c_.is_sharp_corner[s_.source_of(h)];
+    };
+    if (strong_edges == 0 && is_at_feature(first) && is_at_feature(last))
+      return Rejection::overshadowed;
+    return std::nullopt;
+  }
+
+  /// whether the surface bends beside `curve` about as much as along it.
+  bool is_smooth(std::span<const Index> curve)
+  {
+    if (curve.empty())
+      return false;
+    contrasts_.clear();
+    for (const Index h : curve)
+    {
+      double& contrast = contrast_of_[h / 2];
+      if (contrast < 0)
+        contrast = contrast_(h / 2);
+      contrasts_.push_back(contrast);
+    }
+    const auto median = contrasts_.begin() + static_cast<std::ptrdiff_t>(contrasts_.size() / 2);
+    std::nth_element(contrasts_.begin(), median, contrasts_.end());
+    return *median < options_.smooth_contrast;
+  }
+
+  const Flat_surface& s_;
+  const Surface_angles& a_;
+  const Edge_classes& c_;
+  const Feature_options& options_;
+  Smooth_contrast contrast_;
+  std::vector<char> is_kept_;
+  std::optional<Out_halfedges> out_;
+  std::vector<End_type> end_;
+  std::vector<char> is_walked_, is_touched_;
+  std::vector<Index> continuation_, curve_, rejected_;
+  std::vector<double> contrast_of_, contrasts_;
+};
+
+} // namespace recurve::internal::features
+
+#endif

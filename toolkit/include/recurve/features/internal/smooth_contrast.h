@@ -1,0 +1,119 @@
+#ifndef RECURVE_FEATURES_INTERNAL_SMOOTH_CONTRAST_H
+#define RECURVE_FEATURES_INTERNAL_SMOOTH_CONTRAST_H
+
+#include <recurve/features/internal/surface_angles.h>
+
+#include <algorithm>
+#include <limits>
+#include <vector>
+
+namespace recurve::internal::features {
+
+/// Compares how much the surface bends at an edge with how much it bends beside it, per length across the edge. On a
+/// sampled smooth surface neighbouring parallel edges bend at the same rate: the contrast is about 1. At a crease the
+/// bending is concentrated in one edge.
+class Smooth_contrast
+{
+public:
+  /// does not look beyond pinned edges and edges with a dihedral angle above `sharp_angle`.
+  Smooth_contrast(const Flat_surface& s, const Surface_angles& a, double sharp_angle)
+    : s_(s), a_(a), sharp_angle_(sharp_angle)
+  {}
+
+  /// bending per length at the edge `e` over the largest beside it; infinite where the surface beside it is flat.
+  double operator()(Index e)
+  {
+    const double beside = std::max(rate_beside(2 * e), rate_beside(2 * e + 1));
+    return beside > 0 ? rate(e) / beside : std::numeric_limits<double>::infinity();
+  }
+
+private:
+  bool is_barrier(Index e) const { return a_.is_pinned[e] || a_.dihedral[e] > sharp_angle_; }
+
+  double distance_to_line(const Point& p, Index h, const Vector& along) const
+  {
+    return norm(cross(p - s_.points[s_.target[h]], along));
+  }
+
+  /// how far the face of the half-edge `h` reaches from the line of `h`.
+  double height(Index h) const
+  {
+    const Vector along = direction(s_, h);
+    double most = 0;
+    for (Index g = s_.next[h]; g != h; g = s_.next[g])
+      most = std::max(most, distance_to_line(s_.points[s_.target[g]], h, along));
+    return most;
+  }
+
+  /// dihedral angle per length across the edge, which is not on a border.
+  double rate(Index e) const
+  {
+    const double width = (height(2 * e) + height(2 * e + 1)) / 2;
+    return width > 0 ? a_.dihedral[e] / width : 0;
+  }
+
+  /// the largest rate of the edges beside `h`, within two faces on its side, each as far as it runs along `h`.
+  double rate_beside(Index h)
+  {
+    gather_faces(h);
+    const Vector along = direction(s_, h);
+    const double least_distance = height(h) / 2;
+    double most = 0;
+    for (const Index f : faces_)
+    {
+      Index g = s_.face_halfedge[f];
+      do
+      {
+        if (!is_barrier(g / 2) && is_beside(g, h, along, least_distance))
+          most = std::max(most, rate(g / 2) * std::abs(dot(direction(s_, g), along)));
+        g = s_.next[g];
+      } while (g != s_.face_halfedge[f]);
+    }
+    return most;
+  }
+
+  /// whether `g` is away from the line of `h` and next to `h` at least for a part of its length. What continues `h` is
+  /// not beside it, even where the curve turns.
+  bool is_beside(Index g, Index h, const Vector& along, double least_distance) const
+  {
+    constexpr double least_overlap = 0.25; // in a regular triangulation neighbouring rows overlap by 1/2
+    const Point &first = s_.points[s_.source_of(h)], &a = s_.points[s_.source_of(g)], &b = s_.points[s_.target[g]];
+    const double length = dot(s_.points[s_.target[h]] - first, along);
+    const auto [low, high] = std::minmax({dot(a - first, along), dot(b - first, along)});
+    const double overlap = std::min(high, length) - std::max(low, 0.);
+    return overlap >= least_overlap * std::min(length, high - low) &&
+           distance_to_line(0.5 * (a + b), h, along) >= least_distance;
+  }
+
+  /// the faces at most two steps from that of `h` that can be reached without crossing `h` or a barrier.
+  void gather_faces(Index h)
+  {
+    faces_.assign(1, s_.face[h]);
+    std::size_t done = 0;
+    for (int step = 0; step < 2; ++step)
+    {
+      const std::size_t end = faces_.size();
+      for (; done < end; ++done)
+      {
+        const Index first = s_.face_halfedge[faces_[done]];
+        Index g = first;
+        do
+        {
+          const bool is_open = g / 2 != h / 2 && !is_barrier(g / 2);
+          if (is_open && std::find(faces_.begin(), faces_.end(), s_.face[g ^ 1]) == faces_.end())
+            faces_.push_back(s_.face[g ^ 1]);
+          g = s_.next[g];
+        } while (g != first);
+      }
+    }
+  }
+
+  const Flat_surface& s_;
+  const Surface_angles& a_;
+  double sharp_angle_;
+  std::vector<Index> faces_;
+};
+
+} // namespace recurve::internal::features
+
+#endif

@@ -1,0 +1,58 @@
+#ifndef RECURVE_IO_MESH_IO_H
+#define RECURVE_IO_MESH_IO_H
+
+#include <recurve/core/progress.h>
+#include <recurve/io/cgns.h>
+#include <recurve/io/pending_file.h>
+#include <recurve/io/vtk.h>
+#include <recurve/mesh/curved_mesh.h>
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace recurve {
+
+/// A file format as the program knows it: one row of the registry.
+struct Mesh_format
+{
+  std::string name;                    ///< "CGNS"
+  std::vector<std::string> extensions; ///< ".cgns", in lower case
+  int largest_degree_written = 0;      ///< 0: cannot be written
+  std::function<Volume_mesh(const std::filesystem::path&, Read_report*, const Progress_callback&)>
+    read; ///< empty: cannot be read
+  std::function<void(const Curved_mesh&, const std::filesystem::path&, const std::vector<Cell_field>&,
+                     const Progress_callback&)>
+    write; ///< empty: cannot be written. Formats without room for cell fields leave them out
+};
+
+/// every format, in the order in which the documentation lists them.
+const std::vector<Mesh_format>& mesh_formats();
+
+/// the format of a file by its extension (letter case does not matter).
+/// \throws Input_error naming the known extensions.
+const Mesh_format& mesh_format_of(const std::filesystem::path& file);
+
+/// reads a linear mesh by its extension.
+/// \throws Input_error if the extension is unknown or the format cannot be read; Format_error if the file cannot be
+/// read, naming file, zone, section, element and node as far as they are known.
+Volume_mesh read_mesh(const std::filesystem::path& file, Read_report* report = nullptr,
+                      const Progress_callback& progress = {});
+
+/// checks that a mesh of degree `degree` can be written to `file`, as far as its name tells, so that a program can
+/// refuse before the work. \throws Input_error if the format is unknown or does not hold the degree.
+void check_writable(const std::filesystem::path& file, int degree);
+
+/// writes a mesh by the extension of `file`, beside the target first and renamed when complete: a failed run leaves no
+/// file and keeps an old one. \throws Input_error as check_writable(); Format_error if writing fails.
+void write_mesh(const Curved_mesh& mesh, const std::filesystem::path& file, const std::vector<Cell_field>& fields = {},
+                const Progress_callback& progress = {});
+
+/// the same, but the caller commits `file`.
+void write_mesh(const Curved_mesh& mesh, Pending_file& file, const std::vector<Cell_field>& fields = {},
+                const Progress_callback& progress = {});
+
+} // namespace recurve
+
+#endif

@@ -1,0 +1,42 @@
+#ifndef RECURVE_RUN_CURVING_OPTIONS_H
+#define RECURVE_RUN_CURVING_OPTIONS_H
+
+#include <recurve/features/feature_options.h>
+#include <recurve/mesh/join_zones.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+namespace recurve {
+
+/// What a conversion may vary.
+struct Curving_options
+{
+  int degree = 2; ///< degree p of the elements, 1 to 6; 1 leaves every cell as it is
+
+  int fit_degree = 0; ///< degree d of the local polynomials, 1 to 6; 0: max(2, degree)
+
+  /// patches to curve, as `select_patches()` takes them; empty: all that bound the mesh. Patches inside the mesh
+  /// (two-sided ones and zone interfaces) are curved only if named here.
+  std::vector<std::string> curve;
+
+  /// patches that stay straight, though `curve` names them.
+  std::vector<std::string> keep;
+
+  bool detect_features = true; ///< false: no edge is a feature, the surface is smooth everywhere
+  Feature_options features;
+  Join_options join;
+
+  int threads = 0; ///< largest number of threads; 0: as many as there are. The result does not depend on it
+
+  /// the degree of the fits that `fit_degree` means.
+  int effective_fit_degree() const { return fit_degree > 0 ? fit_degree : std::max(2, degree); }
+};
+
+/// \throws Input_error if a field is out of its range, naming field and value.
+void check(const Curving_options& options);
+
+} // namespace recurve
+
+#endif

@@ -1,0 +1,162 @@
+#ifndef RECURVE_SURFACE_INTERNAL_CONJUGATE_RESIDUAL_H
+#define RECURVE_SURFACE_INTERNAL_CONJUGATE_RESIDUAL_H
+
+#include <recurve/surface/local_fit.h>
+#include <recurve/surface/weighted_points.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <span>
+
+namespace recurve::internal::surface {
+
+/// Iterations per unknown at most. Exact arithmetic needs one; round-off on ill-conditioned equations a few more. The
+/// bound only keeps a hopeless face from stalling the run: what it has then is as good as it gets.
+inline constexpr int conjugate_residual_rounds = 8;
+
+/// Scaled normal equations (4) of a polynomial of degree D: matrix * (S^-1 c) = rhs, c = scaling * solution.
+template <int D>
+struct Normal_equations
+{
+  static constexpr int size = coefficient_count(D);
+  using Vector = std::array<double, size>;
+
+  alignas(64) std::array<Vector, size> matrix;
+  alignas(64) Vector rhs;
+  Vector scaling;
+
+  explicit Normal_equations(const Weighted_points& points);
+
+  Vector times(const Vector& x) const
+  {
+    Vector result = {}; // the matrix is symmetric: summing its columns lets the inner loop run over neighbours
+    for (int j = 0; j < size; ++j)
+      for (int i = 0; i < size; ++i)
+        result[i] += matrix[j][i] * x[j];
+    return result;
+  }
+};
+
+/// Every entry of U^T Omega U is a moment, the sum of w u^a v^b over the points with a + b <= 2D, and most moments
+/// stand in several entries: they are summed once.
+template <int D>
+Normal_equations<D>::Normal_equations(const Weighted_points& points)
+{
+  constexpr int powers = 2 * D + 1;
+  std::array<std::array<double, powers>, powers> moments = {};
+  std::array<std::array<double, D + 1>, D + 1> height_moments = {};
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    std::array<double, powers> v_power;
+    v_power[0] = 1;
+    for (int b = 1; b < powers; ++b)
+      v_power[b] = v_power[b - 1] * points.v[i];
+    double factor = points.weight[i];
+    for (int a = 0; a < powers; ++a)
+    {
+      for (int b = 0; b < powers - a; ++b)
+        moments[a][b] += factor * v_power[b];
+      if (a <= D)
+      {
+        const double with_height = factor * points.height[i];
+        for (int b = 0; b <= D - a; ++b)
+          height_moments[a][b] += with_height * v_power[b];
+      }
+      factor *= points.u[i];
+    }
+  }
+
+  std::array<int, size> u_degree, v_degree;
+  for (int p = 0; p <= D; ++p)
+    for (int k = 0; k <= p; ++k)
+    {
+      u_degree[coefficient_number(p - k, k)] = p - k;
+      v_degree[coefficient_number(p - k, k)] = k;
+    }
+  for (int i = 0; i < size; ++i)
+  {
+    const double square = moments[2 * u_degree[i]][2 * v_degree[i]];
+    scaling[i] = square > 0 ? 1 / std::sqrt(square) : 0; // 0: all points lie on an axis, which says nothing of u^j v^k
+    rhs[i] = scaling[i] * height_moments[u_degree[i]][v_degree[i]];
+  }
+  for (int i = 0; i < size; ++i)
+    for (int j = 0; j < size; ++j)
+      matrix[i][j] = scaling[i] * scaling[j] * moments[u_degree[i] + u_degree[j]][v_degree[i] + v_degree[j]];
+}
+
+template <std::size_t N>
+double inner_product(const std::array<double, N>& a, const std::array<double, N>& b)
+{
+  double sum = 0;
+  for (std::size_t i = 0; i < N; ++i)
+    sum += a[i] * b[i];
+  return sum;
+}
+
+/// x with |rhs - matrix x| <= relative_bound |rhs|, by conjugate residuals from zero.
+template <int D>
+typename Normal_equations<D>::Vector conjugate_residual(const Normal_equations<D>& equations, double relative_bound)
+{
+  using Vector = typename Normal_equations<D>::Vector;
+  constexpr int size = Normal_equations<D>::size;
+  Vector x = {};
+  Vector residual = equations.rhs;
+  Vector direction = residual;
+  Vector matrix_residual = equations.times(residual);
+  Vector matrix_direction = matrix_residual;
+  double energy = inner_product(residual, matrix_residual);
+  const double goal = relative_bound * relative_bound * inner_product(residual, residual);
+  if (!std::isfinite(goal))
+    x.fill(std::numeric_limits<double>::quiet_NaN());
+  for (int round = 0; round < conjugate_residual_rounds * size && inner_product(residual, residual) > goal; ++round)
+  {
+    const double square = inner_product(matrix_direction, matrix_direction);
+    if (!(square > 0) || !(energy > 0)) // nothing left that the points determine
+      break;
+    const double step = energy / square;
+    for (int i = 0; i < size; ++i)
+    {
+      x[i] += step * direction[i];
+      residual[i] -= step * matrix_direction[i];
+    }
+    matrix_residual = equations.times(residual);
+    const double new_energy = inner_product(residual, matrix_residual);
+    const double turn = new_energy / energy;
+    energy = new_energy;
+    for (int i = 0; i < size; ++i)
+    {
+      direction[i] = residual[i] + turn * direction[i];
+      matrix_direction[i] = matrix_residual[i] + turn * matrix_direction[i];
+    }
+  }
+  return x;
+}
+
+template <int D>
+void solve_degree(const Weighted_points& points, double relative_bound, std::span<double> coefficients)
+{
+  const Normal_equations<D> equations(points);
+  const auto x = conjugate_residual(equations, relative_bound);
+  for (int i = 0; i < Normal_equations<D>::size; ++i)
+    coefficients[i] = equations.scaling[i] * x[i];
+}
+
+inline void solve_by_conjugate_residual(const Weighted_points& points, int degree, double relative_bound,
+                                        std::span<double> coefficients)
+{
+  switch (degree)
+  {
+  case 1: return solve_degree<1>(points, relative_bound, coefficients);
+  case 2: return solve_degree<2>(points, relative_bound, coefficients);
+  case 3: return solve_degree<3>(points, relative_bound, coefficients);
+  case 4: return solve_degree<4>(points, relative_bound, coefficients);
+  case 5: return solve_degree<5>(points, relative_bound, coefficients);
+  case 6: return solve_degree<6>(points, relative_bound, coefficients);
+  default: return;
+  }
+}
+
+} // namespace recurve::internal::surface
+
+#endif

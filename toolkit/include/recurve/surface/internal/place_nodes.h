@@ -1,0 +1,256 @@
+#ifndef RECURVE_SURFACE_INTERNAL_PLACE_NODES_H
+#define RECURVE_SURFACE_INTERNAL_PLACE_NODES_H
+
+#include <recurve/features/feature_curves.h>
+#include <recurve/surface/internal/face_normal.h>
+#include <recurve/surface/internal/straight_nodes.h>
+#include <recurve/surface/internal/vector_3.h>
+#include <recurve/surface/local_fit.h>
+
+#include <CGAL/boost/graph/iterator.h>
+#include <CGAL/boost/graph/properties.h>
+#include <boost/graph/graph_traits.hpp>
+
+#include <algorithm>
+#include <array>
+#include <span>
+#include <vector>
+
+namespace recurve::internal::surface {
+
+/// A displacement below this part of the length of the edge is the round-off of the fit, not a shape.
+inline constexpr double least_relative_displacement = 1e-13;
+
+/// `displacement`, or nothing where it is below round-off. \param length  of the edge. \param magnitude  largest
+/// coordinate nearby: points are not known better than to their last digits.
+inline Point clear_round_off(const Point& displacement, double edge_length, double magnitude)
+{
+  const double bound = std::max(least_relative_displacement * edge_length, coordinate_resolution * magnitude);
+  return length(displacement) > bound ? displacement : Point{0, 0, 0};
+}
+
+inline bool is_zero(const Point& displacement)
+{
+  return displacement == Point{0, 0, 0};
+}
+
+/// The splines of the feature curves of two or more edges. Points are taken relative to the first one of their curve,
+/// so that the place of the mesh costs no digits.
+template <class Graph>
+class Curve_places
+{
+  using Traits = boost::graph_traits<Graph>;
+  using halfedge_descriptor = typename Traits::halfedge_descriptor;
+  using edge_descriptor = typename Traits::edge_descriptor;
+  using Place_numbers = typename boost::property_map<Graph, CGAL::dynamic_edge_property_t<Index>>::const_type;
+
+public:
+  template <class VertexPointMap>
+  Curve_places(const Graph& g, const std::vector<Feature_curve<Graph>>& curves, VertexPointMap vertex_points,
+               const Curve_fit_options& options)
+    : numbers_(get(CGAL::dynamic_edge_property_t<Index>(), g))
+  {
+    for (const edge_descriptor e : edges(g))
+      put(numbers_, e, no_index);
+    for (const Feature_curve<Graph>& curve : curves)
+      if (curve.halfedges.size() >= 2)
+        add(g, curve, vertex_points, options);
+  }
+
+  bool is_on_curve(edge_descriptor e) const { return get(numbers_, e) != no_index; }
+
+  /// number of edges on splines.
+  Index size() const { return static_cast<Index>(places_.size()); }
+
+  /// from the straight edge `e` to the spline, at k/p of the way along its half-edge `h`.
+  Point displacement(edge_descriptor e, halfedge_descriptor h, int k, int degree) const
+  {
+    const Place& place = places_[get(numbers_, e)];
+    const bool is_along = place.halfedge == h;
+    const Point on_curve =
+      splines_[place.curve](place.segment, static_cast<double>(is_along ? k : degree - k) / degree);
+    return subtract(on_curve, is_along ? straight_edge_node(place.start, place.end, k, degree)
+                                       : straight_edge_node(place.end, place.start, k, degree));
+  }
+
+private:
+  struct Place
+  {
+    Index curve = no_index;
+    Index segment = no_index;
+    halfedge_descriptor halfedge; ///< in the direction of the curve
+    Point start = {};             ///< relative to the curve's first point
+    Point end = {};
+  };
+
+  template <class VertexPointMap>
+  void add(const Graph& g, const Feature_curve<Graph>& curve, VertexPointMap vertex_points,
+           const Curve_fit_options& options)
+  {
+    std::vector<Point> points;
+    for (const halfedge_descriptor h : curve.halfedges)
+      points.push_back(point_of(get(vertex_points, source(h, g))));
+    if (!curve.is_closed)
+      points.push_back(point_of(get(vertex_points, target(curve.halfedges.back(), g))));
+    const Point first = points.front();
+    for (Point& x : points)
+      x = subtract(x, first);
+    for (std::size_t i = 0; i < curve.halfedges.size(); ++i)
+    {
+      const halfedge_descriptor h = curve.halfedges[i];
+      put(numbers_, edge(h, g), size());
+      places_.push_back(
+        {static_cast<Index>(splines_.size()), static_cast<Index>(i), h, points[i], points[(i + 1) % points.size()]});
+    }
+    splines_.emplace_back(points, curve.is_closed, options);
+  }
+
+  Place_numbers numbers_;
+  std::vector<Place> places_;
+  std::vector<Curve_spline> splines_;
+};
+
+/// The blend of the displacements of a face's edges, at a node inside. `edges` holds the displacement of all p + 1
+/// nodes (zero at the ends) of each edge, from its corner to the next corner of the face.
+using Edge_displacements = std::array<std::array<Point, max_element_degree + 1>, 4>;
+
+inline Point blend_in_quad(const Edge_displacements& edges, const Lattice_node& node, int degree)
+{
+  const double x = static_cast<double>(node.i) / degree;
+  const double y = static_cast<double>(node.j) / degree;
+  const Point across = add(scaled(1 - y, edges[0][node.i]), scaled(y, edges[2][degree - node.i]));
+  const Point along = add(scaled(x, edges[1][node.j]), scaled(1 - x, edges[3][degree - node.j]));
+  return add(across, along);
+}
+
+/// Each corner carries the shapes of its two edges, weighted with its barycentric coordinate (Perronnet 1998); all
+/// values are taken at nodes of the edges.
+inline Point blend_in_triangle(const Edge_displacements& edges, const Lattice_node& node, int degree)
+{
+  const std::array<int, 3> barycentric = {degree - node.i - node.j, node.i, node.j};
+  Point sum = {0, 0, 0};
+  for (int corner = 0; corner < 3; ++corner)
+  {
+    const int next = (corner + 1) % 3;
+    const int previous = (corner + 2) % 3;
+    const Point both = add(edges[corner][barycentric[next]], edges[previous][degree - barycentric[previous]]);
+    sum = add(sum, scaled(static_cast<double>(barycentric[corner]) / degree, both));
+  }
+  return sum;
+}
+
+/// Where the nodes of a surface go. Functions are safe to be called by several threads.
+template <class Graph, class FaceFitMap, class VertexPointMap>
+class Node_placer
+{
+  using Traits = boost::graph_traits<Graph>;
+  using halfedge_descriptor = typename Traits::halfedge_descriptor;
+  using edge_descriptor = typename Traits::edge_descriptor;
+  using face_descriptor = typename Traits::face_descriptor;
+
+public:
+  Node_placer(const Graph& g, FaceFitMap fits, VertexPointMap vertex_points, const Curve_places<Graph>& curves,
+              int degree)
+    : g_(&g), fits_(fits), vertex_points_(vertex_points), curves_(&curves), degree_(degree)
+  {}
+
+  /// A node of an edge or face: where it is in the straight-sided mesh and how far it goes.
+  struct Placed_node
+  {
+    Point straight = {};
+    Point displacement = {};
+  };
+
+  /// \param nodes  p - 1 nodes, from source(h, g) on. \return the length of the edge.
+  double place_edge(halfedge_descriptor h, std::span<Placed_node> nodes) const
+  {
+    const edge_descriptor e = edge(h, *g_);
+    const Point a = point_of(get(vertex_points_, source(h, *g_)));
+    const Point b = point_of(get(vertex_points_, target(h, *g_)));
+    const double edge_length = length(subtract(b, a));
+    const double magnitude = std::max(largest_coordinate(a), largest_coordinate(b));
+    for (int k = 1; k < degree_; ++k)
+    {
+      Placed_node& node = nodes[k - 1];
+      node.straight = straight_edge_node(a, b, k, degree_);
+      const Point way =
+        curves_->is_on_curve(e) ? curves_->displacement(e, h, k, degree_) : mean_displacement(h, node.straight);
+      node.displacement = clear_round_off(way, edge_length, magnitude);
+    }
+    return edge_length;
+  }
+
+  /// \param nodes  filled with the nodes inside the face, in canonical order. \return the length of the longest edge.
+  double place_face(face_descriptor f, std::vector<Placed_node>& nodes) const
+  {
+    std::array<Point, 4> corners = {};
+    const int corner_count = gather_corners(*g_, f, vertex_points_, corners);
+    double longest = 0, magnitude = 0;
+    for (int i = 0; i < corner_count; ++i)
+    {
+      longest = std::max(longest, length(subtract(corners[(i + 1) % corner_count], corners[i])));
+      magnitude = std::max(magnitude, largest_coordinate(corners[i]));
+    }
+    Edge_displacements edges;
+    const bool is_blended = gather_edges(f, edges);
+    const auto& fit = get(fits_, f);
+    nodes.clear();
+    for (const Lattice_node lattice : interior_lattice(corner_count, degree_))
+    {
+      Placed_node node;
+      node.straight = straight_face_node(corners, corner_count, lattice, degree_);
+      Point way = {0, 0, 0};
+      if (is_blended)
+        way = corner_count == 3 ? blend_in_triangle(edges, lattice, degree_) : blend_in_quad(edges, lattice, degree_);
+      way = add(way, fit.displacement(add(node.straight, way)));
+      node.displacement = clear_round_off(way, longest, magnitude);
+      nodes.push_back(node);
+    }
+    return longest;
+  }
+
+private:
+  Point mean_displacement(halfedge_descriptor h, const Point& x) const
+  {
+    const face_descriptor left = face(h, *g_);
+    const face_descriptor right = face(opposite(h, *g_), *g_);
+    const face_descriptor none = Traits::null_face();
+    if (left == none || right == none)
+      return get(fits_, left == none ? right : left).displacement(x);
+    return scaled(0.5, add(get(fits_, left).displacement(x), get(fits_, right).displacement(x)));
+  }
+
+  /// gathers the displacements of the edges of `f` if one of them moves along a spline. \return whether one does.
+  bool gather_edges(face_descriptor f, Edge_displacements& edges) const
+  {
+    const auto around = CGAL::halfedges_around_face(halfedge(f, *g_), *g_);
+    const auto is_on_curve = [this](halfedge_descriptor h) { return curves_->is_on_curve(edge(h, *g_)); };
+    if (std::none_of(around.begin(), around.end(), is_on_curve))
+      return false;
+    bool is_moved = false;
+    int side = 0;
+    for (const halfedge_descriptor h : around)
+    {
+      std::array<Placed_node, max_element_degree> nodes;
+      place_edge(h, nodes);
+      edges[side][0] = edges[side][degree_] = {0, 0, 0};
+      for (int k = 1; k < degree_; ++k)
+      {
+        edges[side][k] = nodes[k - 1].displacement;
+        is_moved = is_moved || (is_on_curve(h) && !is_zero(edges[side][k]));
+      }
+      ++side;
+    }
+    return is_moved;
+  }
+
+  const Graph* g_;
+  FaceFitMap fits_;
+  VertexPointMap vertex_points_;
+  const Curve_places<Graph>* curves_;
+  int degree_;
+};
+
+} // namespace recurve::internal::surface
+
+#endif

@@ -1,0 +1,108 @@
+#ifndef RECURVE_SURFACE_STENCIL_BUILDER_H
+#define RECURVE_SURFACE_STENCIL_BUILDER_H
+
+#include <recurve/surface/internal/surface_arrays.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+namespace recurve {
+
+/// Grows the stencil of one face, from the corners of the face outwards; the tool of a `Stencil` policy.
+///
+/// Growth follows the paper's neighbour rules and cannot cross a critical edge. A builder is used for one face after
+/// another and allocates nothing once its list has grown to the largest stencil.
+class Stencil_builder
+{
+public:
+  explicit Stencil_builder(const internal::surface::Surface_arrays& surface)
+    : surface_(&surface), marks_(static_cast<std::size_t>(surface.vertex_count()), 0)
+  {}
+
+  /// number of vertices so far.
+  Index size() const { return static_cast<Index>(vertices_.size()); }
+
+  /// adds one ring: the neighbours of the vertices that were added last. Neighbours of a vertex that is not critical
+  /// are all vertices that share an edge with it; of a critical one, those at the other end of its critical edges; a
+  /// sharp vertex has none.
+  void add_ring()
+  {
+    const std::size_t end = vertices_.size();
+    for (; ring_first_ < end; ++ring_first_)
+      for (const Index neighbor : surface_->neighbors_of(vertices_[ring_first_]))
+        add(neighbor);
+  }
+
+  /// adds a half ring: all corners of each face that shares an edge, which is not critical, with the stencil.
+  void add_half_ring()
+  {
+    const std::size_t end = vertices_.size();
+    for (std::size_t i = 0; i < end; ++i)
+      for (const Index corner : surface_->corners_of_vertex(vertices_[i]))
+        if (has_edge(corner))
+          for (const Index vertex : surface_->corners_of_face(surface_->corner_faces[corner]))
+            await(vertex);
+    for (std::size_t i = end; i < vertices_.size(); ++i)
+      marks_[vertices_[i]] = epoch_;
+  }
+
+  /// starts anew with the corners of `face`. Called by `reconstruct_surface()` before the policy.
+  void start(Index face)
+  {
+    forget();
+    for (const Index vertex : surface_->corners_of_face(face))
+      add(vertex);
+  }
+
+  /// the stencil so far, in the order of its growth.
+  std::span<Index> vertices() { return vertices_; }
+
+private:
+  // marks_[v] is epoch_ for a vertex of the stencil and epoch_ + 1 for one that a half ring is about to add.
+  void add(Index vertex)
+  {
+    if (marks_[vertex] == epoch_)
+      return;
+    marks_[vertex] = epoch_;
+    vertices_.push_back(vertex);
+  }
+
+  void await(Index vertex)
+  {
+    if (marks_[vertex] >= epoch_)
+      return;
+    marks_[vertex] = epoch_ + 1;
+    vertices_.push_back(vertex);
+  }
+
+  bool has_edge(Index corner) const
+  {
+    return !surface_->is_critical_edge[corner] &&
+           marks_[surface_->corner_vertices[surface_->next_corner(corner)]] == epoch_;
+  }
+
+  void forget()
+  {
+    vertices_.clear();
+    ring_first_ = 0;
+    epoch_ += 2;
+    if (epoch_ >= std::numeric_limits<std::uint32_t>::max() - 2)
+    {
+      std::fill(marks_.begin(), marks_.end(), 0);
+      epoch_ = 2;
+    }
+  }
+
+  const internal::surface::Surface_arrays* surface_;
+  std::vector<std::uint32_t> marks_;
+  std::uint32_t epoch_ = 0;
+  std::vector<Index> vertices_;
+  std::size_t ring_first_ = 0;
+};
+
+} // namespace recurve
+
+#endif

@@ -1,0 +1,459 @@
+#ifndef RECURVE_VOLUME_INTERNAL_FAST_SUM_H
+#define RECURVE_VOLUME_INTERNAL_FAST_SUM_H
+
+#include <recurve/core/types.h>
+#include <recurve/volume/influence.h>
+#include <recurve/volume/internal/expansion_table.h>
+#include <recurve/volume/internal/point_tree.h>
+#include <recurve/volume/internal/simd_kernels.h>
+#include <recurve/volume/internal/source_field.h>
+#include <recurve/volume/internal/summation_kernels.h>
+
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_invoke.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace recurve::internal {
+
+/// Counts and bounds of a fast summation.
+struct Sum_tally
+{
+  Index pairs = 0;        ///< of a source and a target, summed directly
+  Index translations = 0; ///< of a cell of sources to a cell of targets
+  double error = 0;       ///< guaranteed bound of the largest error
+
+  Sum_tally& operator+=(const Sum_tally& other)
+  {
+    pairs += other.pairs;
+    translations += other.translations;
+    error = std::max(error, other.error);
+    return *this;
+  }
+};
+
+/// A fast multipole method for quotients: s(r) = sum w s_i / sum w at many targets.
+///
+/// Sources and targets are sorted into trees. A cell of sources far enough from a cell of targets is expanded in a Taylor
+/// series about both centers, truncated at a common total degree; the rest is summed directly. Since all weights are
+/// positive and no |s_i| exceeds 1, an error e of the sum of weights (and of each weighted displacement) is an error of
+/// at most 2 e / sum w of the quotient. So each cell of targets may spend `tolerance / 2` times a lower bound of its sum
+/// of weights: half of it goes to all source cells in proportion to their own weights, the other half where it
+/// saves most, to cells that are far and many but weigh little. What is spent is bounded strictly and counted.
+template <class I>
+class Fast_sum
+{
+public:
+  /// Rounding of pairs that are summed in single precision, at most; relative like the tolerance.
+  static constexpr double float_rounding = 1e-5;
+
+  /// With a tolerance of this and more, rounding to single precision is a small part of it.
+  static constexpr double smallest_float_tolerance = 5e-5;
+
+  /// \param tolerance  the largest error allowed, relative to the largest displacement of a source.
+  Fast_sum(const Source_field& sources, const I& influence, double tolerance, const Point_tree& targets)
+    : sources_(sources), targets_(targets), influence_(influence), kernels_(influence),
+      uses_floats_(Summation_kernels<I>::has_floats && tolerance >= smallest_float_tolerance),
+      tolerance_(uses_floats_ ? tolerance - float_rounding : tolerance)
+  {
+  }
+
+  /// calls `emit(points, x, y, z)` for each leaf of the targets, with arrays of the displacements of its points; from
+  /// several threads.
+  template <class Emit>
+  Sum_tally operator()(const Emit& emit) const
+  {
+    return targets_.is_empty() ? Sum_tally{} : visit({0, {0}, {}, {}, {}}, emit);
+  }
+
+private:
+  using Node = Point_tree::Node;
+
+  struct Cell
+  {
+    Index node;
+    int degree;
+  };
+
+  /// What a cell of targets knows about the sum of weights at its targets, and about what has been spent of it.
+  struct Account
+  {
+    double lowest = 0;   ///< lower bound of the sum of all weights
+    double expanded = 0; ///< lower bound of the part that is in expansions
+    double error = 0;    ///< bound of the error of the sum
+    double excess = 0;   ///< part of it that is beyond the proportional half
+  };
+
+  /// One cell of targets, as its parent hands it down.
+  struct Task
+  {
+    Index node;
+    std::vector<Index> candidates; ///< source cells that are neither expanded nor summed yet
+    std::vector<double> local;     ///< local expansion about the center of the parent; empty: zero
+    Point local_center;
+    Account account;
+  };
+
+  /// Room for the work on one cell, reused from cell to cell.
+  struct Scratch
+  {
+    std::vector<Index> stack, direct;
+    std::vector<Cell> expanded;
+    std::vector<double> radial, derivatives, transposed, lane_sums, zeros;
+    std::vector<double> coordinates, sums;
+    std::vector<float> float_targets, float_sources;
+  };
+
+  template <class Emit>
+  Sum_tally visit(Task task, const Emit& emit) const;
+  template <class Emit>
+  Sum_tally finish_leaf(const Node& target, const Task& task, Scratch& scratch, const Emit& emit) const;
+  void raise_lowest(Index target, Task& task, std::vector<Index>& stack) const;
+  int acceptable_degree(const Node& target, Index source, Account& account, Index target_count) const;
+  std::vector<Index> sort_candidates(Task& task, Scratch& scratch) const;
+  void move_local(const Point& center, Task& task) const;
+  void add_expanded(const Node& target, Scratch& scratch, Task& task) const;
+  void translate(const Node& target, std::span<const Cell> cells, Scratch& scratch) const;
+  Index sum_direct(const Node& target, Scratch& scratch, const Sums& sums) const;
+  bool is_float_safe(const Node& target, const Node& source) const;
+
+  static double (*as_packs(std::vector<double>& v))[lanes] { return reinterpret_cast<double(*)[lanes]>(v.data()); }
+
+  // A subtree with fewer targets is not worth a task.
+  static constexpr Index parallel_size = 2048;
+
+  // Radii that add up to more than this part of the distance let the series converge too slowly to be considered.
+  static constexpr double largest_ratio = 0.75;
+
+  // What the translation of one cell costs, by degree, in directly summed pairs (measured).
+  static constexpr std::array<Index, max_expansion_degree + 1> translation_cost = {40,   60,   120,  210,  400, 770,
+                                                                                   1370, 2260, 3650, 5900, 9200};
+
+  const Source_field& sources_;
+  const Point_tree& targets_;
+  const I& influence_;
+  Summation_kernels<I> kernels_;
+  bool uses_floats_;
+  double tolerance_;
+  const Expansion_table& table_ = Expansion_table::instance();
+  mutable tbb::enumerable_thread_specific<Scratch> scratch_;
+};
+
+template <class I>
+template <class Emit>
+Sum_tally Fast_sum<I>::visit(Task task, const Emit& emit) const
+{
+  const Node& target = targets_.node(task.node);
+  Sum_tally tally;
+  std::array<Task, 2> children;
+  {
+    // Not held across the parallel calls below, during which this thread may work on another cell.
+    Scratch& scratch = scratch_.local();
+    raise_lowest(task.node, task, scratch.stack);
+    std::vector<Index> left = sort_candidates(task, scratch);
+    tally.translations = static_cast<Index>(scratch.expanded.size());
+    move_local(target.center, task);
+    add_expanded(target, scratch, task);
+    if (targets_.is_leaf(task.node))
+      return tally += finish_leaf(target, task, scratch, emit);
+    children[0] = {2 * task.node + 1, left, task.local, target.center, task.account};
+    children[1] = {2 * task.node + 2, std::move(left), std::move(task.local), target.center, task.account};
+  }
+  std::array<Sum_tally, 2> tallies;
+  const auto first = [&] { tallies[0] = visit(std::move(children[0]), emit); };
+  const auto second = [&] { tallies[1] = visit(std::move(children[1]), emit); };
+  if (target.size() >= parallel_size)
+    tbb::parallel_invoke(first, second);
+  else
+  {
+    first();
+    second();
+  }
+  return (tally += tallies[0]) += tallies[1];
+}
+
+/// improves the lower bound of the sum of weights in a cell of targets, by opening source cells that are close to it.
+template <class I>
+void Fast_sum<I>::raise_lowest(Index number, Task& task, std::vector<Index>& stack) const
+{
+  // Opened until the nearest and the farthest point of a cell weigh about the same.
+  constexpr double small_ratio = 0.25;
+
+  const Node& target = targets_.node(number);
+  double sum = task.account.expanded;
+  stack.assign(task.candidates.begin(), task.candidates.end());
+  while (!stack.empty())
+  {
+    const Index s = stack.back();
+    stack.pop_back();
+    const Node& source = sources_.tree().node(s);
+    const double squared = squared_span(target, source);
+    if (source.radius * source.radius < small_ratio * small_ratio * squared)
+      sum += sources_.weight(s) * influence_(squared);
+    else if (!sources_.tree().is_leaf(s))
+      stack.insert(stack.end(), {2 * s + 1, 2 * s + 2});
+    else if (!targets_.is_leaf(number))
+      sum += squared > 0 ? sources_.weight(s) * influence_(squared) : 0;
+    else
+      for (Index m = source.begin; m < source.end; ++m)
+        if (const double q = squared_span(target, sources_.position(m)); q > 0)
+          sum += sources_.source_weight(m) * influence_(q);
+  }
+  task.account.lowest = std::max(task.account.lowest, sum);
+}
+
+/// the lowest degree at which the source cell may be expanded in the cell of targets, and charges the account for it; -1
+/// if there is none, or if `target_count` targets (of a leaf; else 0) are cheaper to sum directly.
+template <class I>
+int Fast_sum<I>::acceptable_degree(const Node& target, Index number, Account& account, Index target_count) const
+{
+  const Node& source = sources_.tree().node(number);
+  double squared = 0;
+  for (std::size_t d = 0; d < 3; ++d)
+    squared += (target.center[d] - source.center[d]) * (target.center[d] - source.center[d]);
+  const double radii = target.radius + source.radius;
+  if (radii * radii >= largest_ratio * largest_ratio * squared)
+    return -1;
+  const double distance = std::sqrt(squared);
+  const double weight = sources_.weight(number);
+  const double own = weight * influence_((distance + radii) * (distance + radii));
+
+  // The other half of the budget: cells of this size around the targets at this distance form a ring. Work is least if
+  // the rings get error in proportion to a small power of their weights; it fades slowly, so that there are
+  // effectively six of them. Their cells share it evenly.
+  constexpr double part_of_ring = 1.0 / 6;
+  const double cells_in_ring = 4 * squared / (radii * radii);
+  const double weight_of_ring = std::min(1.0, weight * influence_(squared) * cells_in_ring / account.lowest);
+  const double half = tolerance_ / 4;
+  const double share = part_of_ring * half * account.lowest * std::sqrt(std::sqrt(weight_of_ring)) / cells_in_ring;
+  const double allowed = half * own + std::max(0.0, std::min(share, half * account.lowest - account.excess));
+
+  const double mean = target.radius + sources_.mean_radius(number);
+  const auto error_at = [&](int degree) { return weight * influence_.remainder(distance, mean, radii, degree); };
+  int degree = sources_.degree();
+  double error = error_at(degree);
+  if (!(error <= allowed))
+    return -1;
+  for (; degree > 0; --degree)
+  {
+    const double next = error_at(degree - 1);
+    if (!(next <= allowed))
+      break;
+    error = next;
+  }
+  if (target_count > 0 && target_count * source.size() <= translation_cost[static_cast<std::size_t>(degree)])
+    return -1;
+  account.expanded += own;
+  account.error += error;
+  account.excess += std::max(0.0, error - half * own);
+  return degree;
+}
+
+/// decides for each candidate, and for the cells below it, whether it is expanded, summed directly (`scratch.direct`) or
+/// left to the children.
+template <class I>
+std::vector<Index> Fast_sum<I>::sort_candidates(Task& task, Scratch& scratch) const
+{
+  const Node& target = targets_.node(task.node);
+  const bool is_leaf = targets_.is_leaf(task.node);
+  const Point_tree& tree = sources_.tree();
+  std::vector<Index> left;
+  scratch.expanded.clear();
+  scratch.direct.clear();
+  scratch.stack.assign(task.candidates.rbegin(), task.candidates.rend());
+  while (!scratch.stack.empty())
+  {
+    const Index s = scratch.stack.back();
+    scratch.stack.pop_back();
+    const int degree = acceptable_degree(target, s, task.account, is_leaf ? target.size() : 0);
+    if (degree >= 0)
+      scratch.expanded.push_back({s, degree});
+    else if (!tree.is_leaf(s) && (is_leaf || tree.node(s).radius > target.radius))
+      scratch.stack.insert(scratch.stack.end(), {2 * s + 2, 2 * s + 1});
+    else
+      (is_leaf ? scratch.direct : left).push_back(s);
+  }
+  return left;
+}
+
+/// moves the parent's local expansion to `center`.
+template <class I>
+void Fast_sum<I>::move_local(const Point& center, Task& task) const
+{
+  if (task.local.empty())
+    return;
+  const int degree = sources_.degree();
+  const Point& from = task.local_center;
+  const auto shift = scaled_monomials({center[0] - from[0], center[1] - from[1], center[2] - from[2]}, degree);
+  std::vector<double> moved(task.local.size(), 0.0);
+  for (int b = 0; b < term_count(degree); ++b)
+  {
+    const std::int16_t* product = table_.products(b);
+    std::array<double, 4> sum = {};
+    for (int a = 0; a < term_count(degree - table_.degree(b)); ++a)
+      for (std::size_t c = 0; c < 4; ++c)
+        sum[c] += shift[static_cast<std::size_t>(a)] * task.local[static_cast<std::size_t>(4 * product[a]) + c];
+    std::copy(sum.begin(), sum.end(), moved.begin() + 4 * b);
+  }
+  task.local = std::move(moved);
+}
+
+/// adds the expansions of the accepted source cells to the local expansion.
+template <class I>
+void Fast_sum<I>::add_expanded(const Node& target, Scratch& scratch, Task& task) const
+{
+  if (scratch.expanded.empty())
+    return;
+  const auto values = static_cast<std::size_t>(4 * term_count(sources_.degree()));
+  const auto packs = static_cast<std::size_t>(lanes);
+  task.local.resize(values, 0.0);
+  scratch.lane_sums.assign(values * packs, 0.0);
+  scratch.transposed.resize(values * packs);
+  scratch.derivatives.resize(values / 4 * packs);
+  scratch.radial.resize((max_expansion_degree + 1) * packs);
+  scratch.zeros.assign(values, 0.0);
+
+  // Cells of like degree go together; each group takes the highest of its own.
+  std::ranges::stable_sort(scratch.expanded, std::ranges::greater{}, &Cell::degree);
+  for (std::size_t first = 0; first < scratch.expanded.size(); first += packs)
+    translate(target, std::span(scratch.expanded).subspan(first, std::min(packs, scratch.expanded.size() - first)),
+              scratch);
+  for (std::size_t m = 0; m < values; ++m)
+    for (std::size_t lane = 0; lane < packs; ++lane)
+      task.local[m] += scratch.lane_sums[m * packs + lane];
+}
+
+/// adds the expansions of up to `lanes` source cells to the lane sums.
+template <class I>
+void Fast_sum<I>::translate(const Node& target, std::span<const Cell> cells, Scratch& scratch) const
+{
+  const int degree = cells.front().degree;
+  double offsets[3][lanes];
+  const double* moments[lanes];
+  for (std::size_t lane = 0; lane < static_cast<std::size_t>(lanes); ++lane)
+  {
+    // An unused lane repeats the first cell, without its charges.
+    const Index node = cells[lane < cells.size() ? lane : 0].node;
+    const Point& center = sources_.tree().node(node).center;
+    for (std::size_t d = 0; d < 3; ++d)
+      offsets[d][lane] = target.center[d] - center[d];
+    moments[lane] = lane < cells.size() ? sources_.moments(node) : scratch.zeros.data();
+  }
+  kernels_.radial_derivatives(offsets, degree, as_packs(scratch.radial));
+  kernels_.common().derivative_tensor(table_, degree, offsets, as_packs(scratch.radial), as_packs(scratch.derivatives));
+  kernels_.common().translate(table_, degree, as_packs(scratch.derivatives), moments, as_packs(scratch.transposed),
+                              as_packs(scratch.lane_sums));
+}
+
+/// evaluates the local expansion, adds the near sources and hands out the quotients.
+template <class I>
+template <class Emit>
+Sum_tally Fast_sum<I>::finish_leaf(const Node& target, const Task& task, Scratch& scratch, const Emit& emit) const
+{
+  const auto points = targets_.points().subspan(static_cast<std::size_t>(target.begin),
+                                                static_cast<std::size_t>(target.size()));
+  const std::size_t n = (points.size() + 2 * lanes - 1) / (2 * lanes) * (2 * lanes);
+  // Positions as they are, then relative to the center. What is added to fill a vector repeats the last point.
+  scratch.coordinates.resize(6 * n);
+  scratch.float_targets.resize(3 * n);
+  for (std::size_t m = 0; m < n; ++m)
+    for (std::size_t d = 0; d < 3; ++d)
+    {
+      const double x = points[std::min(m, points.size() - 1)].position[d];
+      scratch.coordinates[d * n + m] = x;
+      scratch.coordinates[(3 + d) * n + m] = x - target.center[d];
+      scratch.float_targets[d * n + m] = static_cast<float>(x - target.center[d]);
+    }
+  scratch.sums.assign(4 * n, 0.0);
+  const Sums sums = {scratch.sums.data(), scratch.sums.data() + n, scratch.sums.data() + 2 * n,
+                     scratch.sums.data() + 3 * n};
+  const double* relative = scratch.coordinates.data() + 3 * n;
+  if (!task.local.empty())
+    kernels_.common().add_local(table_, sources_.degree(), task.local.data(), {relative, relative + n, relative + 2 * n},
+                                static_cast<Index>(n), sums);
+  Sum_tally tally;
+  tally.pairs = sum_direct(target, scratch, sums);
+  tally.error = (task.account.lowest > 0 ? 2 * task.account.error / task.account.lowest : 0) +
+                (uses_floats_ ? float_rounding : 0);
+  for (std::size_t m = 0; m < points.size(); ++m)
+  {
+    const double quotient = sums.weight[m] > 0 ? 1 / sums.weight[m] : 0;
+    sums.x[m] *= quotient;
+    sums.y[m] *= quotient;
+    sums.z[m] *= quotient;
+  }
+  emit(points, sums.x, sums.y, sums.z);
+  return tally;
+}
+
+/// Whether the pairs of two cells can be summed in single precision, with coordinates relative to the target's center:
+/// they are so far apart that rounding a coordinate changes a distance by a few units in its last place only, and no
+/// power of a distance leaves the range of a float.
+template <class I>
+bool Fast_sum<I>::is_float_safe(const Node& target, const Node& source) const
+{
+  constexpr double nearest = 1e-5, farthest = 1e5;
+  const double gap = squared_gap(target, source);
+  return uses_floats_ && gap >= target.radius * target.radius / 4 && gap > nearest * nearest &&
+         squared_span(target, source) < farthest * farthest;
+}
+
+/// sums the pairs of the target's points and the sources in `scratch.direct`; returns their number.
+template <class I>
+Index Fast_sum<I>::sum_direct(const Node& target, Scratch& scratch, const Sums& sums) const
+{
+  const std::size_t n = scratch.coordinates.size() / 6;
+  const double* x = scratch.coordinates.data();
+  std::size_t floats = 0;
+  Index pairs = 0;
+  for (Index& s : scratch.direct)
+  {
+    const Node& source = sources_.tree().node(s);
+    pairs += target.size() * source.size();
+    if (is_float_safe(target, source))
+      floats += static_cast<std::size_t>(source.size());
+    else
+    {
+      kernels_.add_direct(sources_.charges(source.begin), source.size(), {x, x + n, x + 2 * n}, static_cast<Index>(n),
+                          sums);
+      s = no_index;
+    }
+  }
+  if constexpr (Summation_kernels<I>::has_floats)
+    if (floats > 0)
+    {
+      scratch.float_sources.resize(7 * floats);
+      std::array<float*, 7> to;
+      for (std::size_t c = 0; c < 7; ++c)
+        to[c] = scratch.float_sources.data() + c * floats;
+      const std::array<float*, 7> begin = to;
+      for (const Index s : scratch.direct)
+        if (s != no_index)
+        {
+          const Node& source = sources_.tree().node(s);
+          const Charges<double> charges = sources_.charges(source.begin);
+          const std::array<const double*, 7> from = {charges.x,          charges.y,          charges.z,         charges.weight,
+                                                     charges.weighted_x, charges.weighted_y, charges.weighted_z};
+          for (std::size_t c = 0; c < 7; ++c)
+          {
+            const double origin = c < 3 ? target.center[c] : 0;
+            for (Index m = 0; m < source.size(); ++m)
+              *to[c]++ = static_cast<float>(from[c][m] - origin);
+          }
+        }
+      const float* t = scratch.float_targets.data();
+      kernels_.add_direct(Charges<float>{begin[0], begin[1], begin[2], begin[3], begin[4], begin[5], begin[6]},
+                          static_cast<Index>(floats), Coordinates<float>{t, t + n, t + 2 * n}, static_cast<Index>(n),
+                          sums);
+    }
+  return pairs;
+}
+
+} // namespace recurve::internal
+
+#endif

@@ -1,0 +1,140 @@
+#ifndef RECURVE_VOLUME_INTERNAL_SIMD_KERNELS_H
+#define RECURVE_VOLUME_INTERNAL_SIMD_KERNELS_H
+
+#include <recurve/core/types.h>
+#include <recurve/volume/internal/expansion_table.h>
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <string_view>
+
+#if defined(__x86_64__)
+  #include <immintrin.h>
+#endif
+
+namespace recurve::internal {
+
+/// Source cells are expanded this many at a time, whatever the instruction set.
+inline constexpr int lanes = 8;
+
+/// Arrays of coordinates.
+template <class Real>
+struct Coordinates
+{
+  const Real *x, *y, *z;
+};
+
+/// Arrays of positions, weights and weighted displacements of sources.
+template <class Real>
+struct Charges
+{
+  const Real *x, *y, *z, *weight, *weighted_x, *weighted_y, *weighted_z;
+};
+
+/// Arrays of the four sums of each target: of the weights, and of the weighted displacements.
+struct Sums
+{
+  double *weight, *x, *y, *z;
+};
+
+inline constexpr auto inverse_integers = [] {
+  std::array<double, max_expansion_degree + 2> result = {};
+  for (std::size_t n = 1; n < result.size(); ++n)
+    result[n] = 1.0 / static_cast<double>(n);
+  return result;
+}();
+
+/// the square roots of the elements of a vector, where there is no instruction for it.
+template <class Vector>
+Vector root_by_element(Vector v)
+{
+  for (std::size_t m = 0; m < sizeof(v) / sizeof(v[0]); ++m)
+    v[m] = std::sqrt(v[m]);
+  return v;
+}
+
+namespace baseline {
+#define RECURVE_SIMD_WIDTH 2
+#if defined(__SSE2__)
+  #define RECURVE_SIMD_ROOT(kind, q) _mm_sqrt_##kind(q)
+#else
+  #define RECURVE_SIMD_ROOT(kind, q) root_by_element(q)
+#endif
+#include <recurve/volume/internal/simd_kernels.ipp>
+#undef RECURVE_SIMD_ROOT
+#undef RECURVE_SIMD_WIDTH
+} // namespace baseline
+
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+  #define RECURVE_HAS_SIMD_DISPATCH
+
+  #pragma GCC push_options
+  #pragma GCC target("avx2")
+namespace avx2 {
+  #define RECURVE_SIMD_WIDTH 4
+  #define RECURVE_SIMD_ROOT(kind, q) _mm256_sqrt_##kind(q)
+  #include <recurve/volume/internal/simd_kernels.ipp>
+  #undef RECURVE_SIMD_ROOT
+  #undef RECURVE_SIMD_WIDTH
+} // namespace avx2
+  #pragma GCC pop_options
+
+  #pragma GCC push_options
+  #pragma GCC target("avx512f,avx512dq,avx512vl,avx512bw,prefer-vector-width=512")
+namespace avx512 {
+  #define RECURVE_SIMD_WIDTH 8
+  #define RECURVE_SIMD_ROOT(kind, q) _mm512_maskz_sqrt_##kind(-1, q) // unlike _mm512_sqrt, it warns of nothing
+  #include <recurve/volume/internal/simd_kernels.ipp>
+  #undef RECURVE_SIMD_ROOT
+  #undef RECURVE_SIMD_WIDTH
+} // namespace avx512
+  #pragma GCC pop_options
+#endif
+
+/// The kernels of one instruction set, for one formula.
+struct Kernels
+{
+  std::string_view name;
+  void (*add_direct)(const Charges<double>&, Index, const Coordinates<double>&, Index, double, const Sums&);
+  void (*add_direct_float)(const Charges<float>&, Index, const Coordinates<float>&, Index, float, const Sums&);
+  void (*radial_derivatives)(const double (*)[lanes], double, int, double (*)[lanes]);
+  void (*derivative_tensor)(const Expansion_table&, int, const double (*)[lanes], const double (*)[lanes],
+                            double (*)[lanes]);
+  void (*translate)(const Expansion_table&, int, const double (*)[lanes], const double* const*, double (*)[lanes],
+                    double (*)[lanes]);
+  void (*add_moments)(const Expansion_table&, int, const Charges<double>&, Index, double (*)[lanes], double*);
+  void (*add_local)(const Expansion_table&, int, const double*, const Coordinates<double>&, Index, const Sums&);
+};
+
+/// the widest kernels that this processor runs, for the influence u^A + c u^B. The environment variable RECURVE_SIMD
+/// (baseline, avx2) asks for narrower ones, for tests and comparisons.
+template <int A, int B>
+const Kernels& kernels()
+{
+#define RECURVE_KERNELS(set)                                                                                           \
+  Kernels                                                                                                              \
+  {                                                                                                                    \
+    #set, &set::add_direct<A, B>, &set::add_direct<A, B>, &set::radial_derivatives<A, B>, &set::derivative_tensor,     \
+      &set::translate, &set::add_moments, &set::add_local                                                              \
+  }
+  static const Kernels chosen = [] {
+#ifdef RECURVE_HAS_SIMD_DISPATCH
+    const char* variable = std::getenv("RECURVE_SIMD");
+    const std::string_view wish = variable ? variable : "";
+    if (wish != "baseline" && wish != "avx2" && __builtin_cpu_supports("avx512f") &&
+        __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw"))
+      return RECURVE_KERNELS(avx512);
+    if (wish != "baseline" && __builtin_cpu_supports("avx2"))
+      return RECURVE_KERNELS(avx2);
+#endif
+    return RECURVE_KERNELS(baseline);
+  }();
+#undef RECURVE_KERNELS
+  return chosen;
+}
+
+} // namespace recurve::internal
+
+#endif

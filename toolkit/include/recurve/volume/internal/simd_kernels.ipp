@@ -1,0 +1,274 @@
+// The inner loops of the fast summation. simd_kernels.h includes this file once per instruction set, inside a namespace
+// and under a target pragma, with RECURVE_SIMD_WIDTH doubles to a vector. Everything is plain IEEE arithmetic in an order
+// that does not depend on the width, so that every instruction set gives the same bits.
+
+inline constexpr int width = RECURVE_SIMD_WIDTH;
+inline constexpr int vectors = lanes / width; // to a pack of `lanes` doubles
+
+typedef double Reals __attribute__((vector_size(width * sizeof(double)), aligned(sizeof(double)), may_alias));
+typedef float Floats __attribute__((vector_size(width * sizeof(double)), aligned(sizeof(float)), may_alias));
+typedef float Half_floats __attribute__((vector_size(width * sizeof(float)), aligned(sizeof(float)), may_alias));
+
+static inline Reals& reals(double* p)
+{
+  return *reinterpret_cast<Reals*>(p);
+}
+static inline const Reals& reals(const double* p)
+{
+  return *reinterpret_cast<const Reals*>(p);
+}
+
+static inline Reals root(Reals q)
+{
+  return RECURVE_SIMD_ROOT(pd, q);
+}
+static inline Floats root(Floats q)
+{
+  return RECURVE_SIMD_ROOT(ps, q);
+}
+
+/// r^N with q = r^2
+template <int N, class V>
+static inline V power(const V q, const V r)
+{
+  if constexpr (N == 0)
+    return V{} + 1;
+  else if constexpr (N == 1)
+    return r;
+  else if constexpr (N == 2)
+    return q;
+  else if constexpr (N % 2 == 1)
+    return power<N - 1>(q, r) * r;
+  else if constexpr (N % 4 == 0)
+  {
+    const V half = power<N / 2>(q, r);
+    return half * half;
+  }
+  else
+    return power<N - 2>(q, r) * q;
+}
+
+/// r^-A + c r^-B at q = r^2, with one root and one division: instructions, exact to the last bit, and on recent
+/// processors faster than an approximation and Newton's iteration.
+template <int A, int B, class V, class Real>
+static inline V weight(const V q, Real c)
+{
+  const V r = root(q);
+  if constexpr (A <= B)
+    return (power<B - A>(q, r) + c) / power<B>(q, r);
+  else
+    return (1 + c * power<A - B>(q, r)) / power<A>(q, r);
+}
+
+/// adds to the sums of `target_count` targets (a multiple of `width`) those over all sources, in double precision.
+template <int A, int B>
+void add_direct(const Charges<double>& s, Index source_count, const Coordinates<double>& targets, Index target_count,
+                double near_factor, const Sums& sums)
+{
+  // closer than this (in units of the influence's length) is as good as at the source; keeps the weight finite
+  constexpr double closest_squared = 1e-60;
+
+  for (Index t = 0; t < target_count; t += width)
+  {
+    const Reals x = reals(targets.x + t), y = reals(targets.y + t), z = reals(targets.z + t);
+    Reals sum = {}, sum_x = {}, sum_y = {}, sum_z = {};
+    for (Index m = 0; m < source_count; ++m)
+    {
+      const Reals dx = x - s.x[m], dy = y - s.y[m], dz = z - s.z[m];
+      Reals q = dx * dx + dy * dy + dz * dz;
+      q = q < closest_squared ? Reals{} + closest_squared : q;
+      const Reals w = weight<A, B>(q, near_factor);
+      sum += s.weight[m] * w;
+      sum_x += s.weighted_x[m] * w;
+      sum_y += s.weighted_y[m] * w;
+      sum_z += s.weighted_z[m] * w;
+    }
+    reals(sums.weight + t) += sum;
+    reals(sums.x + t) += sum_x;
+    reals(sums.y + t) += sum_y;
+    reals(sums.z + t) += sum_z;
+  }
+}
+
+static inline void add_floats(double* sums, const Floats& part)
+{
+  const float* p = reinterpret_cast<const float*>(&part);
+  reals(sums) += __builtin_convertvector(*reinterpret_cast<const Half_floats*>(p), Reals);
+  reals(sums + width) += __builtin_convertvector(*reinterpret_cast<const Half_floats*>(p + width), Reals);
+}
+
+/// the same in single precision, for pairs that are far apart compared with the distances of both from the origin.
+/// `target_count` is a multiple of `2 * width`.
+template <int A, int B>
+void add_direct(const Charges<float>& s, Index source_count, const Coordinates<float>& targets, Index target_count,
+                float near_factor, const Sums& sums)
+{
+  // so few terms are summed in single precision that their rounding stays near that of one
+  constexpr Index run_length = 32;
+
+  for (Index first = 0; first < source_count; first += run_length)
+  {
+    const Index last = first + run_length < source_count ? first + run_length : source_count;
+    for (Index t = 0; t < target_count; t += 2 * width)
+    {
+      const Floats x = *reinterpret_cast<const Floats*>(targets.x + t);
+      const Floats y = *reinterpret_cast<const Floats*>(targets.y + t);
+      const Floats z = *reinterpret_cast<const Floats*>(targets.z + t);
+      Floats sum = {}, sum_x = {}, sum_y = {}, sum_z = {};
+      for (Index m = first; m < last; ++m)
+      {
+        const Floats dx = x - s.x[m], dy = y - s.y[m], dz = z - s.z[m];
+        const Floats w = weight<A, B>(dx * dx + dy * dy + dz * dz, near_factor);
+        sum += s.weight[m] * w;
+        sum_x += s.weighted_x[m] * w;
+        sum_y += s.weighted_y[m] * w;
+        sum_z += s.weighted_z[m] * w;
+      }
+      add_floats(sums.weight + t, sum);
+      add_floats(sums.x + t, sum_x);
+      add_floats(sums.y + t, sum_y);
+      add_floats(sums.z + t, sum_z);
+    }
+  }
+}
+
+/// radial[m][lane] = (2 d/dq)^m (q^(-A/2) + near_factor q^(-B/2)) at the squared lengths of the offsets.
+template <int A, int B>
+void radial_derivatives(const double (*offsets)[lanes], double near_factor, int degree, double (*radial)[lanes])
+{
+  for (int v = 0; v < vectors; ++v)
+  {
+    const Reals x = reals(offsets[0] + v * width), y = reals(offsets[1] + v * width), z = reals(offsets[2] + v * width);
+    const Reals q = x * x + y * y + z * z;
+    const Reals r = root(q), u2 = 1 / q;
+    Reals far = 1 / power<A>(q, r), near = near_factor / power<B>(q, r);
+    for (int m = 0; m <= degree; ++m)
+    {
+      reals(radial[m] + v * width) = far + near;
+      far = far * u2 * -(A + 2.0 * m);
+      near = near * u2 * -(B + 2.0 * m);
+    }
+  }
+}
+
+/// all derivatives up to `degree` of a radial function at `lanes` offsets: derivatives[term][lane].
+inline void derivative_tensor(const Expansion_table& table, int degree, const double (*offsets)[lanes],
+                              const double (*radial)[lanes], double (*derivatives)[lanes])
+{
+  for (int v = 0; v < vectors; ++v)
+  {
+    const int at = v * width;
+    reals(derivatives[0] + at) = reals(radial[degree] + at);
+    // From those of the m+1st radial derivative follow, in place and from the highest degree down, those of the m-th.
+    for (int m = degree - 1; m >= 0; --m)
+    {
+      for (int g = term_count(degree - m) - 1; g > 0; --g)
+      {
+        const Expansion_table::Recurrence& r = table.recurrence(g);
+        Reals value = reals(offsets[r.axis] + at) * reals(derivatives[r.parent] + at);
+        if (r.grandparent >= 0)
+          value += static_cast<double>(r.power) * reals(derivatives[r.grandparent] + at);
+        reals(derivatives[g] + at) = value;
+      }
+      reals(derivatives[0] + at) = reals(radial[m] + at);
+    }
+  }
+}
+
+/// local[4 b + c][lane] += sum over a of moments[lane][4 a + c] derivatives[a b][lane]
+inline void translate(const Expansion_table& table, int degree, const double (*derivatives)[lanes],
+                      const double* const* moments, double (*transposed)[lanes], double (*local)[lanes])
+{
+  const int terms = term_count(degree);
+  for (int m = 0; m < 4 * terms; ++m)
+    for (int lane = 0; lane < lanes; ++lane)
+      transposed[m][lane] = moments[lane][m];
+  for (int v = 0; v < vectors; ++v)
+  {
+    const int at = v * width;
+    for (int b = 0; b < terms; ++b)
+    {
+      const std::int16_t* product = table.products(b);
+      const int end = term_count(degree - table.degree(b));
+      Reals s0 = reals(local[4 * b] + at), s1 = reals(local[4 * b + 1] + at), s2 = reals(local[4 * b + 2] + at),
+            s3 = reals(local[4 * b + 3] + at);
+      for (int a = 0; a < end; ++a)
+      {
+        const Reals d = reals(derivatives[product[a]] + at);
+        s0 += reals(transposed[4 * a] + at) * d;
+        s1 += reals(transposed[4 * a + 1] + at) * d;
+        s2 += reals(transposed[4 * a + 2] + at) * d;
+        s3 += reals(transposed[4 * a + 3] + at) * d;
+      }
+      reals(local[4 * b] + at) = s0;
+      reals(local[4 * b + 1] + at) = s1;
+      reals(local[4 * b + 2] + at) = s2;
+      reals(local[4 * b + 3] + at) = s3;
+    }
+  }
+}
+
+/// monomials[term] = x^i y^j z^k / (i! j! k!)
+static inline void scaled_monomials(const Expansion_table& table, int degree, const Reals* x, Reals* monomials)
+{
+  monomials[0] = Reals{} + 1.0;
+  for (int g = 1; g < term_count(degree); ++g)
+  {
+    const Expansion_table::Recurrence& r = table.recurrence(g);
+    monomials[g] = monomials[r.parent] * x[r.axis] * inverse_integers[r.power + 1];
+  }
+}
+
+/// moments[4 a + c] += sum over sources of charge c times (-position)^a / a!; `source_count` is a multiple of `lanes`,
+/// positions are relative to the center, `lane_sums` is room for 4 term_count(degree) packs.
+inline void add_moments(const Expansion_table& table, int degree, const Charges<double>& s, Index source_count,
+                        double (*lane_sums)[lanes], double* moments)
+{
+  const int terms = term_count(degree);
+  for (int m = 0; m < 4 * terms; ++m)
+    for (int lane = 0; lane < lanes; ++lane)
+      lane_sums[m][lane] = 0;
+  Reals monomials[max_term_count];
+  for (Index first = 0; first < source_count; first += width)
+  {
+    const int at = static_cast<int>(first % lanes);
+    const Reals x[3] = {-reals(s.x + first), -reals(s.y + first), -reals(s.z + first)};
+    scaled_monomials(table, degree, x, monomials);
+    for (int a = 0; a < terms; ++a)
+    {
+      reals(lane_sums[4 * a] + at) += monomials[a] * reals(s.weight + first);
+      reals(lane_sums[4 * a + 1] + at) += monomials[a] * reals(s.weighted_x + first);
+      reals(lane_sums[4 * a + 2] + at) += monomials[a] * reals(s.weighted_y + first);
+      reals(lane_sums[4 * a + 3] + at) += monomials[a] * reals(s.weighted_z + first);
+    }
+  }
+  for (int m = 0; m < 4 * terms; ++m)
+    for (int lane = 0; lane < lanes; ++lane)
+      moments[m] += lane_sums[m][lane];
+}
+
+/// adds to the sums of `target_count` targets (a multiple of `width`) the local expansion at their positions, which are
+/// relative to its center.
+inline void add_local(const Expansion_table& table, int degree, const double* local, const Coordinates<double>& targets,
+                      Index target_count, const Sums& sums)
+{
+  Reals monomials[max_term_count];
+  for (Index t = 0; t < target_count; t += width)
+  {
+    const Reals x[3] = {reals(targets.x + t), reals(targets.y + t), reals(targets.z + t)};
+    scaled_monomials(table, degree, x, monomials);
+    Reals sum = {}, sum_x = {}, sum_y = {}, sum_z = {};
+    // from the smallest terms to the largest
+    for (int b = term_count(degree) - 1; b >= 0; --b)
+    {
+      sum += local[4 * b] * monomials[b];
+      sum_x += local[4 * b + 1] * monomials[b];
+      sum_y += local[4 * b + 2] * monomials[b];
+      sum_z += local[4 * b + 3] * monomials[b];
+    }
+    reals(sums.weight + t) += sum;
+    reals(sums.x + t) += sum_x;
+    reals(sums.y + t) += sum_y;
+    reals(sums.z + t) += sum_z;
+  }
+}

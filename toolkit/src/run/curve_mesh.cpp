@@ -1,0 +1,221 @@
+#include <recurve/run/curve_mesh.h>
+
+#include "node_placement.h"
+#include "surface_passes.h"
+
+#include <recurve/core/exceptions.h>
+#include <recurve/mesh/boundary_surface.h>
+#include <recurve/run/mesh_structure.h>
+#include <recurve/run/select_patches.h>
+#include <recurve/volume/blend_interior.h>
+
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+
+#include <optional>
+#include <utility>
+
+namespace recurve {
+
+namespace {
+
+void check_range(std::string_view name, int value, int least, int most)
+{
+  if (value < least || value > most)
+    throw Input_error(fmt::format("{}: expected {} to {}, found {}", name, least, most, value));
+}
+
+/// One conversion: its steps share the mesh and the report.
+class Conversion
+{
+public:
+  Conversion(Volume_mesh mesh, const Curving_options& options, const Progress_callback& progress)
+    : linear_(std::move(mesh)), options_(options), progress_(progress)
+  {
+    report_.version = RECURVE_VERSION;
+    report_.options = options;
+  }
+
+  Curved_mesh run()
+  {
+    structure_ = find_structure(linear_, options_.join, report_.stages, progress_);
+    report_.mesh = summarize(linear_, structure_);
+    make_surface();
+    find_features(surface_, options_, report_, progress_);
+    raise_degree();
+    if (options_.degree > 1)
+    {
+      place_nodes();
+      blend();
+    }
+    count_straight_cells();
+    return std::move(curved_);
+  }
+
+  Curving_report& report() { return report_; }
+
+private:
+  void make_surface()
+  {
+    run_stage("make surface", report_.stages, progress_, [&] {
+      selection_ = select_patches(linear_, structure_.boundary, options_.curve, options_.keep);
+      surface_ = make_boundary_surface(linear_, structure_.joined, structure_.boundary, selection_);
+    });
+    report_.surface = surface_.report;
+    report_.surface_faces = static_cast<Index>(surface_.mesh.number_of_faces());
+    report_.surface_edges = static_cast<Index>(surface_.mesh.number_of_edges());
+    count_curved_faces();
+  }
+
+  /// per patch of the summary, which lists the patches zone by zone.
+  void count_curved_faces()
+  {
+    std::vector<std::size_t> first_patch;
+    std::size_t patches = 0;
+    for (const Zone& zone : linear_.zones)
+    {
+      first_patch.push_back(patches);
+      patches += zone.patches.size();
+    }
+    report_.curved_faces.assign(patches, 0);
+    for (Boundary_surface::Face face : surface_.mesh.faces())
+    {
+      const Patch_face& listed = surface_.face_patch[face];
+      ++report_
+          .curved_faces[first_patch[static_cast<std::size_t>(listed.zone)] + static_cast<std::size_t>(listed.patch)];
+    }
+  }
+
+  void raise_degree()
+  {
+    curved_ = run_stage("raise degree", report_.stages, progress_,
+                        [&] { return elevate(std::move(linear_), structure_.joined, options_.degree); });
+    structure_.joined = {};
+  }
+
+  void place_nodes()
+  {
+    std::vector<Cell_face> owners;
+    owners.reserve(surface_.mesh.number_of_faces());
+    for (Boundary_surface::Face face : surface_.mesh.faces())
+      owners.push_back(surface_.face_owner[face]);
+    Node_placement placement(curved_, structure_.boundary, selection_, std::move(owners));
+    structure_.boundary.owners = {};
+    place_surface_nodes(surface_, options_, placement, report_, progress_);
+    take_report(placement);
+    states_ = std::move(placement.states());
+    surface_ = {};
+  }
+
+  void take_report(const Node_placement& placement)
+  {
+    report_.pinned_edges = placement.pinned_edges();
+    report_.shared_edges = placement.shared_edges();
+    report_.moved_edge_nodes = placement.moved_edge_nodes();
+    report_.moved_face_nodes = placement.moved_face_nodes();
+    report_.largest_displacement = displacement(placement.longest_way());
+    report_.largest_relative_displacement = displacement(placement.longest_relative_way());
+    for (const Lowering& lowering : report_.fits.lowerings)
+      report_.lowered_faces.push_back(lowered_face(lowering));
+  }
+
+  Largest_displacement displacement(const Way& way) const
+  {
+    if (way.face == no_index)
+      return {};
+    const Patch_face& listed = listed_face(way.face);
+    return {way.length, way.relative, way.at, zone(listed).name, patch(listed).name};
+  }
+
+  Lowered_face lowered_face(const Lowering& lowering) const
+  {
+    const Patch_face& listed = listed_face(lowering.face);
+    Point sum = {};
+    double corners = 0;
+    for (const auto vertex : surface_.mesh.vertices_around_face(surface_.mesh.halfedge(
+           Boundary_surface::Face(static_cast<Boundary_surface::Face::size_type>(lowering.face)))))
+    {
+      const auto& point = surface_.mesh.point(vertex);
+      sum = {sum[0] + point.x(), sum[1] + point.y(), sum[2] + point.z()};
+      ++corners;
+    }
+    const Point center = {sum[0] / corners, sum[1] / corners, sum[2] / corners};
+    return {zone(listed).name, patch(listed).name, listed.face, center, lowering.degree, lowering.reason};
+  }
+
+  const Patch_face& listed_face(Index face) const
+  {
+    return surface_.face_patch[Boundary_surface::Face(static_cast<Boundary_surface::Face::size_type>(face))];
+  }
+  const Zone& zone(const Patch_face& listed) const
+  {
+    return curved_.linear.zones[static_cast<std::size_t>(listed.zone)];
+  }
+  const Patch& patch(const Patch_face& listed) const
+  {
+    return zone(listed).patches[static_cast<std::size_t>(listed.patch)];
+  }
+
+  void blend()
+  {
+    // All zones at once: they share nodes. A face of a patch is a face of a cell, so the cells do.
+    std::vector<Element_block> blocks;
+    for (const Curved_zone& zone : curved_.zones)
+      for (const Curved_section& section : zone.cells)
+        blocks.push_back({section.type, section.nodes});
+    const Blend_report blend = run_stage("blend interior", report_.stages, progress_, [&] {
+      return blend_interior(curved_.nodes, states_, blocks, options_.degree);
+    });
+    report_.blended_nodes = blend.blended_nodes;
+    states_ = {};
+  }
+
+  void count_straight_cells()
+  {
+    report_.cells = curved_.cell_count();
+    report_.straight_cells =
+      run_stage("find straight cells", report_.stages, progress_, [&] { return update_straight_cells(curved_); });
+  }
+
+  Volume_mesh linear_;
+  const Curving_options& options_;
+  const Progress_callback& progress_;
+  Curving_report report_;
+  Mesh_structure structure_;
+  Face_selection selection_;
+  Boundary_surface surface_;
+  Curved_mesh curved_;
+  std::vector<Node_state> states_;
+};
+
+} // namespace
+
+void check(const Curving_options& options)
+{
+  check_range("degree of the elements", options.degree, 1, max_degree);
+  check_range("degree of the fits", options.fit_degree, 0, max_fit_degree);
+  check_range("threads", options.threads, 0, 1 << 20);
+  check(options.features);
+}
+
+Curved_mesh curve_mesh(Volume_mesh mesh, const Curving_options& options, Curving_report* report,
+                       const Progress_callback& progress)
+{
+  check(options);
+  std::optional<tbb::global_control> threads;
+  if (options.threads > 0)
+    threads.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(options.threads));
+
+  const auto start = std::chrono::steady_clock::now();
+  Conversion conversion(std::move(mesh), options, progress);
+  Curved_mesh curved = conversion.run();
+  if (report)
+  {
+    *report = std::move(conversion.report());
+    report->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    report->peak_memory_bytes = peak_memory_bytes();
+  }
+  return curved;
+}
+
+} // namespace recurve

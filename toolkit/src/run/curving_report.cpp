@@ -1,0 +1,192 @@
+#include <recurve/run/curving_report.h>
+
+#include "json.h"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+
+namespace recurve {
+
+namespace {
+
+// Reports stay readable; the totals are complete.
+constexpr std::size_t listed_faces = 1000;
+
+Json json_of(const Feature_options& options)
+{
+  return {{"method", options.method == Feature_method::dihedral ? "dihedral" : "classified"},
+          {"weak_angle", options.weak_angle},
+          {"end_angle", options.end_angle},
+          {"strong_angle", options.strong_angle},
+          {"strong_edges", options.strong_edges},
+          {"sharp_angle", options.sharp_angle},
+          {"acute_angle", options.acute_angle},
+          {"corner_defect", options.corner_defect},
+          {"turning_angle", options.turning_angle},
+          {"ridge_deviation", options.ridge_deviation},
+          {"ridge_ratio", options.ridge_ratio},
+          {"border_ends", options.border_ends},
+          {"reject_smooth", options.reject_smooth},
+          {"smooth_angle", options.smooth_angle},
+          {"smooth_contrast", options.smooth_contrast},
+          {"dihedral_angle", options.dihedral_angle}};
+}
+
+Json json_of(const Curving_options& options)
+{
+  return {{"degree", options.degree},
+          {"fit_degree", options.effective_fit_degree()},
+          {"curve", options.curve},
+          {"keep", options.keep},
+          {"detect_features", options.detect_features},
+          {"features", json_of(options.features)},
+          {"join",
+           {{"use_connectivity", options.join.use_connectivity},
+            {"use_geometry", options.join.use_geometry},
+            {"tolerance", options.join.tolerance}}},
+          {"threads", options.threads}};
+}
+
+/// the patches of the mesh, each with how many of its faces were curved.
+Json json_of_selection(const Curving_report& report)
+{
+  Json json = Json::array();
+  for (std::size_t p = 0; p < report.mesh.patches.size(); ++p)
+  {
+    const Patch_summary& patch = report.mesh.patches[p];
+    const Index curved = p < report.curved_faces.size() ? report.curved_faces[p] : 0;
+    json.push_back({{"zone", patch.zone},
+                    {"name", patch.name},
+                    {"place", to_string(patch.place)},
+                    {"faces", patch.triangles + patch.quadrangles},
+                    {"curved_faces", curved}});
+  }
+  return json;
+}
+
+Json json_of_curve(const Feature_curve_summary& curve)
+{
+  return {{"edges", curve.edges},
+          {"length", curve.length},
+          {"max_dihedral", curve.max_dihedral},
+          {"closed", curve.is_closed},
+          {"pinned", curve.is_pinned},
+          {"first_point", curve.first_point},
+          {"last_point", curve.last_point},
+          {"first_end", to_string(curve.first_end)},
+          {"last_end", to_string(curve.last_end)}};
+}
+
+Json json_of(const Feature_report& features)
+{
+  Json curves = Json::array(), rejected_edges = Json::object();
+  for (const Feature_curve_summary& curve : features.curves)
+    curves.push_back(json_of_curve(curve));
+  for (int reason = 0; reason < number_of_rejections; ++reason)
+    rejected_edges[std::string(to_string(static_cast<Rejection>(reason)))] =
+      features.rejected_edges[static_cast<std::size_t>(reason)];
+  return {{"critical_edges", features.critical_edges},
+          {"border_edges", features.pinned_edges},
+          {"weak_edges", features.weak_edges},
+          {"sharp_edges", features.sharp_edges},
+          {"candidate_edges", features.candidate_edges},
+          {"sharp_vertices", features.sharp_vertices},
+          {"isolated_corners", features.isolated_corners},
+          {"curves", std::move(curves)},
+          {"rejected_curves", features.rejected.size()},
+          {"rejected_edges", std::move(rejected_edges)}};
+}
+
+Json json_of(const Lowered_face& lowered)
+{
+  return {{"zone", lowered.zone},     {"patch", lowered.patch},   {"face", lowered.face},
+          {"center", lowered.center}, {"degree", lowered.degree}, {"reason", lowering_reason_name(lowered.reason)}};
+}
+
+Json json_of_fits(const Curving_report& report)
+{
+  Json faces_of_degree = Json::object(), reasons = Json::object(), listed = Json::array();
+  for (std::size_t degree = 0; degree < report.fits.faces_of_degree.size(); ++degree)
+    faces_of_degree[std::to_string(degree)] = report.fits.faces_of_degree[degree];
+  // A reason without a name is past the last one.
+  for (int number = 0; !lowering_reason_name(static_cast<Lowering_reason>(number)).empty(); ++number)
+  {
+    const auto reason = static_cast<Lowering_reason>(number);
+    reasons[std::string(lowering_reason_name(reason))] =
+      std::count_if(report.fits.lowerings.begin(), report.fits.lowerings.end(),
+                    [reason](const Lowering& lowering) { return lowering.reason == reason; });
+  }
+  for (std::size_t f = 0; f < std::min(report.lowered_faces.size(), listed_faces); ++f)
+    listed.push_back(json_of(report.lowered_faces[f]));
+  return {{"faces", report.fits.faces},
+          {"faces_of_degree", std::move(faces_of_degree)},
+          {"planar_faces", report.fits.planar_faces},
+          {"poor_stencils", report.fits.poor_stencils},
+          {"stencil_vertices", report.fits.stencil_vertices},
+          {"lowered_faces", report.fits.lowered_faces},
+          {"lowered_by_reason", std::move(reasons)},
+          {"first_lowered_faces", std::move(listed)}};
+}
+
+Json json_of(const Largest_displacement& displacement)
+{
+  return {{"length", displacement.length},
+          {"relative", displacement.relative},
+          {"at", displacement.at},
+          {"zone", displacement.zone},
+          {"patch", displacement.patch}};
+}
+
+Json json_of(const std::vector<Stage_time>& stages)
+{
+  Json json = Json::array();
+  for (const Stage_time& stage : stages)
+    json.push_back({{"stage", stage.stage}, {"seconds", stage.seconds}});
+  return json;
+}
+
+} // namespace
+
+std::string to_json(const Curving_report& report)
+{
+  const Json json = {
+    {"program", "recurve"},
+    {"version", report.version},
+    {"input", report.input},
+    {"output", report.output},
+    {"options", json_of(report.options)},
+    {"notes", report.notes},
+    {"mesh", json_of(report.mesh)},
+    {"patches", json_of_selection(report)},
+    {"surface",
+     {{"faces", report.surface_faces},
+      {"edges", report.surface_edges},
+      {"pinned_edges", report.pinned_edges},
+      {"shared_edges", report.shared_edges}}},
+    {"features", json_of(report.features)},
+    {"fits", json_of_fits(report)},
+    {"nodes",
+     {{"moved_on_edges", report.moved_edge_nodes},
+      {"moved_on_faces", report.moved_face_nodes},
+      {"blended", report.blended_nodes}}},
+    {"displacement",
+     {{"largest", json_of(report.largest_displacement)},
+      {"largest_relative", json_of(report.largest_relative_displacement)}}},
+    {"cells",
+     {{"total", report.cells}, {"straight", report.straight_cells}, {"curved", report.cells - report.straight_cells}}},
+    {"validity", report.validity},
+    {"seconds", report.seconds},
+    {"stages", json_of(report.stages)},
+    {"peak_memory_bytes", report.peak_memory_bytes}};
+  return json_text(json);
+}
+
+std::int64_t peak_memory_bytes()
+{
+  rusage usage = {};
+  getrusage(RUSAGE_SELF, &usage);
+  return std::int64_t{usage.ru_maxrss} * 1024; // Linux counts in KiB
+}
+
+} // namespace recurve
