@@ -41,6 +41,10 @@ Volume_mesh cylinder_layer(const Cylinder_mesh_options& options)
 {
   const double growth = growth_of(options);
   Mesh_builder builder("cylinder");
+  builder.set_patch_kind("cylinder", "BCWall");
+  builder.set_patch_kind("farfield", "BCFarfield");
+  builder.set_patch_kind("z_low", "BCSymmetryPlane");
+  builder.set_patch_kind("z_high", "BCSymmetryPlane");
   for (int k = 0; k <= options.along; ++k)
     for (int layer = 0; layer <= options.layers; ++layer)
       for (int around = 0; around < options.around; ++around)

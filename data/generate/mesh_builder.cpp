@@ -78,6 +78,12 @@ void Mesh_builder::add_face(const std::string& patch, std::span<const Index> cor
   nodes.insert(nodes.end(), corners.begin(), corners.end());
 }
 
+std::string Mesh_builder::kind_of(const std::string& patch) const
+{
+  const auto found = kind_of_patch_.find(patch);
+  return found == kind_of_patch_.end() ? "BCTypeUserDefined" : found->second;
+}
+
 Volume_mesh Mesh_builder::build() const
 {
   Zone zone;
@@ -92,7 +98,7 @@ Volume_mesh Mesh_builder::build() const
   {
     const auto& [patch_name, type] = key;
     if (zone.patches.empty() || zone.patches.back().name != patch_name)
-      zone.patches.push_back({patch_name, "BCTypeUserDefined", "", {}});
+      zone.patches.push_back({patch_name, kind_of(patch_name), "", {}});
     Section section{patch_name + "_" + std::string(element_name(type)), type, {}};
     for (std::size_t first = 0; first < nodes.size(); first += corner_count(type))
     {

@@ -25,6 +25,9 @@ public:
 
   void add_cell(Element_type type, std::span<const Index> corners);
 
+  /// says what a patch is, by the name of a CGNS BCType; without this it is "BCTypeUserDefined".
+  void set_patch_kind(const std::string& patch, const std::string& kind) { kind_of_patch_[patch] = kind; }
+
   /// adds a face to patch `patch`; 3 or 4 corners, in either orientation.
   void add_face(const std::string& patch, std::span<const Index> corners);
 
@@ -33,10 +36,13 @@ public:
   Volume_mesh build() const;
 
 private:
+  std::string kind_of(const std::string& patch) const;
+
   std::string zone_name_;
   std::vector<Point> points_;
   std::map<Element_type, std::vector<Index>> cells_;
   std::map<std::pair<std::string, Element_type>, std::vector<Index>> faces_;
+  std::map<std::string, std::string> kind_of_patch_;
 };
 
 /// the volume of a cell whose edges are straight and whose quadrangles are the bilinear surfaces of their corners;

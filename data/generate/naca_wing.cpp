@@ -58,7 +58,11 @@ public:
     : options_(options), geometry_(options.geometry), fractions_(chord_fractions(options.chord_segments)),
       contour_size_(2 * options.chord_segments)
   {
-    boundary_.patches = {"wing_upper", "wing_lower", "wing_tip", "symmetry", "farfield"};
+    boundary_.patches = {{"wing_upper", "BCWall"},
+                         {"wing_lower", "BCWall"},
+                         {"wing_tip", "BCWall"},
+                         {"symmetry", "BCSymmetryPlane"},
+                         {"farfield", "BCFarfield"}};
     boundary_.holes.push_back({0.3 * geometry_.chord(0.5) + geometry_.leading_edge(0.5), 0.5, 0});
     add_wing();
     add_tip();

@@ -71,6 +71,8 @@ class Shells
 public:
   explicit Shells(const Sphere_mesh_options& options) : options_(options)
   {
+    builder_.set_patch_kind("sphere", "BCWall");
+    builder_.set_patch_kind("box", "BCFarfield");
     for (const Cube_quad& quad : cube_quads(options.segments))
       for (int layer = 0; layer < options.layers; ++layer)
         add_block(quad, layer);
@@ -258,7 +260,7 @@ Volume_mesh tetrahedra_around_sphere(const Sphere_mesh_options& options)
     sphere = subdivide(std::move(sphere));
 
   Triangulated_boundary boundary;
-  boundary.patches = {"sphere", "box"};
+  boundary.patches = {{"sphere", "BCWall"}, {"box", "BCFarfield"}};
   boundary.holes = {{0, 0, 0}};
   for (const Point& point : sphere.points)
     boundary.points.push_back(on_sphere(point, options.radius));

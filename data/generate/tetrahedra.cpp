@@ -48,9 +48,11 @@ void set_holes(const Triangulated_boundary& boundary, tetgenio& in)
       in.holelist[3 * h + i] = boundary.holes[h][i];
 }
 
-Volume_mesh mesh_of(const tetgenio& out, const std::vector<std::string>& patches, const std::string& zone_name)
+Volume_mesh mesh_of(const tetgenio& out, const std::vector<Named_patch>& patches, const std::string& zone_name)
 {
   Mesh_builder builder(zone_name);
+  for (const Named_patch& patch : patches)
+    builder.set_patch_kind(patch.name, patch.kind);
   for (Index m = 0; m < out.numberofpoints; ++m)
     builder.add_point({out.pointlist[3 * m], out.pointlist[3 * m + 1], out.pointlist[3 * m + 2]});
   for (Index t = 0; t < out.numberoftetrahedra; ++t)
@@ -62,7 +64,7 @@ Volume_mesh mesh_of(const tetgenio& out, const std::vector<std::string>& patches
     if (out.trifacemarkerlist[f] > 0)
     {
       const int* const c = out.trifacelist + 3 * f;
-      builder.add_face(patches[out.trifacemarkerlist[f] - 1], std::array<Index, 3>{c[0], c[1], c[2]});
+      builder.add_face(patches[out.trifacemarkerlist[f] - 1].name, std::array<Index, 3>{c[0], c[1], c[2]});
     }
   return builder.build();
 }

@@ -9,13 +9,20 @@
 
 namespace recurve::generate {
 
+/// Name of a patch and what it is, by the name of a CGNS BCType.
+struct Named_patch
+{
+  std::string name;
+  std::string kind;
+};
+
 /// Closed surface of triangles in named patches, the boundary of what is to be filled with tetrahedra.
 struct Triangulated_boundary
 {
   std::vector<Point> points;
   std::vector<std::array<Index, 3>> triangles;
   std::vector<int> patch_of_triangle; ///< number in `patches`
-  std::vector<std::string> patches;
+  std::vector<Named_patch> patches;
   std::vector<Point> holes; ///< a point inside each cavity that stays empty
 
   void add_triangle(int patch, Index a, Index b, Index c);

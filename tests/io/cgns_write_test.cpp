@@ -68,15 +68,15 @@ Volume_mesh rich_mesh()
   zone.patches = {{"range", "BCSymmetryPlane", "", {3, 4, 5, 6, 7}},
                   {"list", "FamilySpecified", "solid wall", {0, 2, 9}}};
   zone.descriptors = {{"origin", "by hand"}};
-  zone.interfaces = {{.name = "to two",
-                      .donor_zone = "two",
+  zone.interfaces = {{.name = "to another",
+                      .donor_zone = "another",
                       .location = Zone_interface::Location::vertex,
                       .is_abutting_one_to_one = true,
                       .points = {0, 3, 7},
                       .donor_points = {1, 2, 6},
                       .periodicity = std::nullopt},
-                     {.name = "faces to two",
-                      .donor_zone = "two",
+                     {.name = "faces to another",
+                      .donor_zone = "another",
                       .location = Zone_interface::Location::face,
                       .is_abutting_one_to_one = true,
                       .points = {8, 10},
@@ -90,7 +90,7 @@ Volume_mesh rich_mesh()
                       .donor_points = {1},
                       .periodicity = Periodicity{{1, 2, 3}, {0, 0, 0.5}, {0, 0.25, 0}}}};
   mesh.zones = {zone, zone};
-  mesh.zones[1].name = "two";
+  mesh.zones[1].name = "another";
   mesh.zones[1].family = "";
   for (Point& point : mesh.zones[1].points)
     point[0] += 1.0 / 3;

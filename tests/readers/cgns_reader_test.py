@@ -5,7 +5,9 @@
 - meshes (small ones of data/, and those of others where they are): what recurve read against what h5py finds in the
   file, and the meshes that recurve wrote at degree 1 to 4 against the mesh that it read.
 
-usage: cgns_reader_test.py WRITE_CGNS_SAMPLES FOLDER NODE_ORDERINGS.json [MESH.cgns or folder ...]
+usage: cgns_reader_test.py WRITE_CGNS_SAMPLES FOLDER SOURCE [MESH.cgns or folder ...]
+SOURCE is the source tree. Without meshes: those of its data/, and those of others in the folder that the environment
+variable RECURVE_SHARED_DATA names, else in ../shared/data beside the source tree.
 """
 import json
 import os
@@ -246,9 +248,11 @@ def check_output(line, path, degree, zones):
 
 
 def main():
-    program, folder, orderings = sys.argv[1], Path(sys.argv[2]), json.loads(Path(sys.argv[3]).read_text())
+    program, folder, source = sys.argv[1], Path(sys.argv[2]), Path(sys.argv[3])
+    orderings = json.loads(next((source / "tests").rglob("node_orderings.json")).read_text())
+    shared = os.environ.get("RECURVE_SHARED_DATA", source / "../shared/data")
     meshes = []
-    for argument in sys.argv[4:]:
+    for argument in sys.argv[4:] or [source / "data", shared]:
         path = Path(argument)
         if path.is_dir():
             meshes += sorted(path.rglob("*.cgns"))

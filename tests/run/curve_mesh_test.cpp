@@ -220,7 +220,7 @@ TEST_CASE("a patch that is kept stays straight to the bit, with the rim that it 
   const auto kept = patch_nodes(curved, "sphere");
   for (Index node : kept)
     CHECK(curved.nodes[static_cast<std::size_t>(node)] == straight.nodes[static_cast<std::size_t>(node)]);
-  CHECK(report.pinned_edges > 0);
+  CHECK(report.surface.pinned_edges > 0);
 
   // Away from the rim the curved half lies on the sphere.
   std::set<Index> inner;

@@ -66,7 +66,7 @@ int main(int argc, char** argv)
   const Curving_report report = convert(folder / "straight.cgns", folder / "curved.cgns", degree);
   const auto cells = static_cast<double>(report.cells);
   std::printf("%lld tetrahedra, degree %d, %lld surface faces\n", static_cast<long long>(report.cells), degree,
-              static_cast<long long>(report.surface_faces));
+              static_cast<long long>(report.surface.faces));
   double total = 0;
   for (const Stage_time& stage : report.stages)
   {

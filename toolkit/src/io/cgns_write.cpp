@@ -25,10 +25,6 @@ namespace internal {
 
 namespace {
 
-constexpr int largest_cgns_degree = 4;
-
-constexpr Index largest_cgns_number = std::numeric_limits<cgsize_t>::max();
-
 /// CGNS's complete element families; rows as `Element_type`, columns by degree.
 constexpr std::array<std::array<ElementType_t, largest_cgns_degree>, 7> element_codes = {
   {{BAR_2, BAR_3, BAR_4, BAR_5},
@@ -108,12 +104,12 @@ struct Writing
   int base = 0;
   std::map<std::string, std::string> zone_names, family_names; ///< names in the mesh to names in the file
   std::vector<cgsize_t> local_number; ///< per node of the mesh, its number in the running zone (from 1)
-  Index nodes_done = 0, nodes_total = 0, percent = 0;
+  Index entries_done = 0, entries_total = 0, percent = 0;
 
   void report(Index entries)
   {
-    nodes_done += entries;
-    if (const Index now = 100 * nodes_done / std::max<Index>(nodes_total, 1); now != percent)
+    entries_done += entries;
+    if (const Index now = 100 * entries_done / std::max<Index>(entries_total, 1); now != percent)
     {
       percent = now;
       report_progress(progress, "write", static_cast<double>(now) / 100);
@@ -337,14 +333,6 @@ void write_interfaces(const Writing& w, const Zone& zone, const std::vector<Inde
   }
 }
 
-Index element_count(const std::vector<Curved_section>& sections, int degree)
-{
-  Index count = 0;
-  for (const Curved_section& section : sections)
-    count += static_cast<Index>(section.nodes.size()) / node_count(section.type, degree);
-  return count;
-}
-
 void write_zone(Writing& w, std::size_t index, const std::vector<Index>& first_faces)
 {
   const Zone& linear = w.mesh.linear.zones[index];
@@ -370,96 +358,8 @@ void write_zone(Writing& w, std::size_t index, const std::vector<Index>& first_f
                    fmt::format("{}, descriptor '{}'", z.where, descriptor.name));
 }
 
-/// the work ahead in entries, and whether CGNS's numbers are large enough.
-Index check_sizes(const Curved_mesh& mesh)
-{
-  Index entries = 0;
-  for (std::size_t z = 0; z < mesh.zones.size(); ++z)
-  {
-    const Curved_zone& zone = mesh.zones[z];
-    Index elements = 0;
-    for (const auto* sections : {&zone.cells, &zone.faces, &zone.bars})
-    {
-      elements += element_count(*sections, mesh.degree);
-      for (const Curved_section& section : *sections)
-        entries += static_cast<Index>(section.nodes.size());
-    }
-    entries += 3 * static_cast<Index>(zone.nodes.size());
-    if (static_cast<Index>(zone.nodes.size()) > largest_cgns_number || elements > largest_cgns_number)
-      throw Input_error(fmt::format("zone '{}' has {} nodes and {} elements, CGNS with 32-bit numbers holds {}; write "
-                                    "VTU, or split the zone",
-                                    mesh.linear.zones[z].name, zone.nodes.size(), elements, largest_cgns_number));
-  }
-  return entries;
-}
-
-/// an upper bound of the size of the file: arrays, and what HDF5 keeps for each node of the tree (about 1 KiB,
-/// measured).
-Index largest_file_size(const Curved_mesh& mesh)
-{
-  constexpr Index per_node = 8192;
-  const Volume_mesh& linear = mesh.linear;
-  Index nodes = 16 + 4 * static_cast<Index>(linear.families.size() + linear.descriptors.size()), bytes = 0;
-  const auto add_texts = [&](const std::vector<Descriptor>& descriptors) {
-    for (const Descriptor& descriptor : descriptors)
-      bytes += static_cast<Index>(descriptor.text.size());
-  };
-  add_texts(linear.descriptors);
-  for (std::size_t z = 0; z < mesh.zones.size(); ++z)
-  {
-    const Zone& zone = linear.zones[z];
-    add_texts(zone.descriptors);
-    bytes += static_cast<Index>(3 * sizeof(double) * mesh.zones[z].nodes.size());
-    for (const auto* sections : {&mesh.zones[z].cells, &mesh.zones[z].faces, &mesh.zones[z].bars})
-    {
-      nodes += 4 * static_cast<Index>(sections->size());
-      for (const Curved_section& section : *sections)
-        bytes += static_cast<Index>(sizeof(cgsize_t) * section.nodes.size());
-    }
-    for (const Patch& patch : zone.patches)
-      bytes += static_cast<Index>(sizeof(cgsize_t) * patch.faces.size());
-    for (const Zone_interface& interface : zone.interfaces)
-      bytes += static_cast<Index>(2 * sizeof(cgsize_t) * interface.points.size());
-    nodes += 16 + static_cast<Index>(5 * zone.patches.size() + 12 * zone.interfaces.size() + zone.descriptors.size());
-  }
-  return bytes + per_node * nodes;
-}
-
-/// reads the tree of the finished file back: libcgns drops some of the errors that HDF5 reports while it closes arrays.
-void check_written(const Curved_mesh& mesh, const std::filesystem::path& file)
-{
-  const Cgns_tree tree(file);
-  const auto base = tree.child_with_label(tree.root(), "CGNSBase_t");
-  const std::vector<Cgns_node> zones = base ? tree.children(*base, "Zone_t") : std::vector<Cgns_node>();
-  if (zones.size() != mesh.zones.size())
-    tree.fail(fmt::format("only {} of {} zones were written", zones.size(), mesh.zones.size()));
-  for (std::size_t z = 0; z < zones.size(); ++z)
-  {
-    Index entries = 0, expected = 0;
-    for (const Cgns_node& section : tree.children(zones[z], "Elements_t"))
-      if (const auto nodes = tree.child(section, "ElementConnectivity"))
-        entries += tree.shape(*nodes).size();
-    for (const auto* sections : {&mesh.zones[z].cells, &mesh.zones[z].faces, &mesh.zones[z].bars})
-      for (const Curved_section& section : *sections)
-        expected += static_cast<Index>(section.nodes.size());
-    if (entries != expected)
-      tree.fail(fmt::format("zone '{}': only {} of {} node numbers were written", zones[z].name(), entries, expected));
-  }
-}
-
-void check_writable(const Curved_mesh& mesh)
-{
-  if (mesh.degree < 1 || mesh.degree > largest_cgns_degree)
-    throw Input_error(
-      fmt::format("CGNS holds elements of degree 1 to {}, not {}; write VTU, or choose degree {} or less",
-                  largest_cgns_degree, mesh.degree, largest_cgns_degree));
-  if (mesh.zones.size() != mesh.linear.zones.size() || mesh.zones.empty())
-    throw Input_error(fmt::format("a curved mesh of {} zones over a linear mesh of {} cannot be written",
-                                  mesh.zones.size(), mesh.linear.zones.size()));
-}
-
 void write_file(const Curved_mesh& mesh, const std::filesystem::path& file, const Progress_callback& progress,
-                const Cgns_write_limits& limits, Index entries)
+                const Cgns_write_limits& limits)
 {
   const std::lock_guard<std::mutex> lock(cgns_mutex());
   Cgns_output output(file);
@@ -471,7 +371,7 @@ void write_file(const Curved_mesh& mesh, const std::filesystem::path& file, cons
                .zone_names = {},
                .family_names = {},
                .local_number = std::vector<cgsize_t>(mesh.nodes.size()),
-               .nodes_total = entries};
+               .entries_total = entry_count(mesh)};
   write_base(w);
   std::vector<Index> first_faces; // of every zone, since a connection names faces of its donor
   for (const Curved_zone& zone : mesh.zones)
@@ -487,12 +387,11 @@ void write_cgns_within(const Curved_mesh& mesh, const std::filesystem::path& fil
                        const Cgns_write_limits& limits)
 {
   check_writable(mesh);
-  const Index entries = check_sizes(mesh);
   report_progress(progress, "write", 0);
   reserve_disk_space(file, largest_file_size(mesh));
   try
   {
-    write_file(mesh, file, progress, limits, entries);
+    write_file(mesh, file, progress, limits);
     check_written(mesh, file);
   }
   catch (...)

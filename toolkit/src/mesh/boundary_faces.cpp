@@ -101,7 +101,7 @@ public:
     std::vector<Cell_face> unassigned;
     for (const Run_result& run : runs)
     {
-      add(run.counts);
+      result_.report += run.counts;
       unassigned.insert(unassigned.end(), run.unassigned.begin(), run.unassigned.end());
     }
     orient_listed_faces();
@@ -194,14 +194,6 @@ private:
   }
 
   // Results ----------------------------------------------------------------------------------------------------------
-
-  void add(const Boundary_report& counts)
-  {
-    result_.report.boundary_faces += counts.boundary_faces;
-    result_.report.interface_faces += counts.interface_faces;
-    result_.report.duplicate_faces += counts.duplicate_faces;
-    result_.report.crowded_faces += counts.crowded_faces;
-  }
 
   void count_faces_without_cell()
   {
@@ -343,6 +335,19 @@ private:
 };
 
 } // namespace
+
+Boundary_report& Boundary_report::operator+=(const Boundary_report& other)
+{
+  boundary_faces += other.boundary_faces;
+  interface_faces += other.interface_faces;
+  unassigned_faces += other.unassigned_faces;
+  faces_without_cell += other.faces_without_cell;
+  duplicate_faces += other.duplicate_faces;
+  crowded_faces += other.crowded_faces;
+  internal_patches.insert(internal_patches.end(), other.internal_patches.begin(), other.internal_patches.end());
+  interface_patches.insert(interface_patches.end(), other.interface_patches.begin(), other.interface_patches.end());
+  return *this;
+}
 
 Face_place place_of(const Face_owners& owners)
 {

@@ -3,6 +3,7 @@
 #include <recurve/mesh/curved_mesh.h>
 #include <recurve/mesh/internal/buckets.h>
 #include <recurve/mesh/internal/element_blocks.h>
+#include <recurve/mesh/internal/sort_few.h>
 #include <recurve/mesh/internal/straight_element.h>
 
 #include <fmt/format.h>
@@ -259,7 +260,7 @@ private:
   {
     // The missing fourth vertex of a triangle stays behind the others and marks it as one.
     std::array<Index, 4> vertices = face.vertices;
-    std::sort(vertices.begin(), vertices.begin() + face.count);
+    internal::sort_few(vertices, face.count);
     return vertices;
   }
 

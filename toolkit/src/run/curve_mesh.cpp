@@ -61,10 +61,25 @@ private:
       selection_ = select_patches(linear_, structure_.boundary, options_.curve, options_.keep);
       surface_ = make_boundary_surface(linear_, structure_.joined, structure_.boundary, selection_);
     });
-    report_.surface = surface_.report;
-    report_.surface_faces = static_cast<Index>(surface_.mesh.number_of_faces());
-    report_.surface_edges = static_cast<Index>(surface_.mesh.number_of_edges());
+    summarize_surface();
     count_curved_faces();
+  }
+
+  void summarize_surface()
+  {
+    const Boundary_surface_report& found = surface_.report;
+    Surface_summary& surface = report_.surface;
+    surface.faces = static_cast<Index>(surface_.mesh.number_of_faces());
+    surface.edges = static_cast<Index>(surface_.mesh.number_of_edges());
+    surface.components = found.components;
+    surface.closed_components = found.closed_components;
+    surface.border_edges = found.border_edges;
+    surface.non_manifold_edges = found.non_manifold_edges;
+    surface.non_manifold_vertices = found.non_manifold_vertices;
+    surface.repeated_faces = found.repeated_faces;
+    surface.collapsed_faces = found.collapsed_faces;
+    surface.turned_faces = found.turned_faces;
+    surface.notes = found.notes;
   }
 
   /// per patch of the summary, which lists the patches zone by zone.
@@ -109,8 +124,8 @@ private:
 
   void take_report(const Node_placement& placement)
   {
-    report_.pinned_edges = placement.pinned_edges();
-    report_.shared_edges = placement.shared_edges();
+    report_.surface.pinned_edges = placement.pinned_edges();
+    report_.surface.shared_edges = placement.shared_edges();
     report_.moved_edge_nodes = placement.moved_edge_nodes();
     report_.moved_face_nodes = placement.moved_face_nodes();
     report_.largest_displacement = displacement(placement.longest_way());

@@ -65,6 +65,23 @@ Json json_of_selection(const Curving_report& report)
   return json;
 }
 
+Json json_of(const Surface_summary& surface)
+{
+  return {{"faces", surface.faces},
+          {"edges", surface.edges},
+          {"components", surface.components},
+          {"closed_components", surface.closed_components},
+          {"border_edges", surface.border_edges},
+          {"non_manifold_edges", surface.non_manifold_edges},
+          {"non_manifold_vertices", surface.non_manifold_vertices},
+          {"repeated_faces", surface.repeated_faces},
+          {"collapsed_faces", surface.collapsed_faces},
+          {"turned_faces", surface.turned_faces},
+          {"pinned_edges", surface.pinned_edges},
+          {"shared_edges", surface.shared_edges},
+          {"notes", surface.notes}};
+}
+
 Json json_of_curve(const Feature_curve_summary& curve)
 {
   return {{"edges", curve.edges},
@@ -159,11 +176,7 @@ std::string to_json(const Curving_report& report)
     {"notes", report.notes},
     {"mesh", json_of(report.mesh)},
     {"patches", json_of_selection(report)},
-    {"surface",
-     {{"faces", report.surface_faces},
-      {"edges", report.surface_edges},
-      {"pinned_edges", report.pinned_edges},
-      {"shared_edges", report.shared_edges}}},
+    {"surface", json_of(report.surface)},
     {"features", json_of(report.features)},
     {"fits", json_of_fits(report)},
     {"nodes",

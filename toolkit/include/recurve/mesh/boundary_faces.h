@@ -49,6 +49,8 @@ struct Boundary_report
   Index crowded_faces = 0;      ///< faces of more than two cells: cells overlap
   std::vector<std::string> internal_patches;  ///< "zone/patch" with faces between two cells of one zone
   std::vector<std::string> interface_patches; ///< "zone/patch" with faces between two zones
+
+  Boundary_report& operator+=(const Boundary_report& other);
 };
 
 /// Cells behind the faces of a mesh.

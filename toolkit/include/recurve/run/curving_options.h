@@ -19,14 +19,14 @@ struct Curving_options
 
   /// patches to curve, as `select_patches()` takes them; empty: all that bound the mesh. Patches inside the mesh
   /// (two-sided ones and zone interfaces) are curved only if named here.
-  std::vector<std::string> curve;
+  std::vector<std::string> curve = {};
 
   /// patches that stay straight, though `curve` names them.
-  std::vector<std::string> keep;
+  std::vector<std::string> keep = {};
 
   bool detect_features = true; ///< false: no edge is a feature, the surface is smooth everywhere
-  Feature_options features;
-  Join_options join;
+  Feature_options features = {};
+  Join_options join = {};
 
   int threads = 0; ///< largest number of threads; 0: as many as there are. The result does not depend on it
 

@@ -47,10 +47,11 @@ struct Surface_curving_options
 ///                      writes them. Read by several threads at once.
 /// \tparam EdgeNodeMap  model of `WritablePropertyMap`: `Edge_node<Graph>` -> Point_3. Written by one thread at a time.
 /// \tparam FaceNodeMap  model of `WritablePropertyMap`: `Face_node<Graph>` -> Point_3. Written by one thread at a time.
-/// \param curves        as `feature_curves()` returns them; their edges are edges of `g`.
+/// \param curves        as `trace_feature_curves()` returns them; their edges are edges of `g`.
 /// \param params        `vertex_point_map` (default: the internal one), `geom_traits`.
 /// \throws Input_error if `options.degree` is outside [1, 6] or a face is neither triangle nor quad; nothing is then
 ///         written.
+/// \throws Cancelled if the progress callback asks to stop; some nodes are then written.
 /// \par Complexity  linear in the nodes.
 /// \par Source      Ims & Wang 2018, section 3.3; the blend: Gordon & Hall 1973.
 template <class Graph, class FaceFitMap, class EdgeNodeMap, class FaceNodeMap, class NamedParameters = No_parameters>

@@ -32,8 +32,8 @@ struct Reconstruction_options
 /// gets a flat fit.
 ///
 /// Lengths are in the unit of the points; nothing depends on that unit nor on the place of the mesh. The result is
-/// independent of the number of threads (oneTBB; limit it with `tbb::global_control`) and, to round-off, of the
-/// numbering. `g` is not changed; faces of `g` are consistently oriented, which side is outside does not matter.
+/// independent of the number of threads (oneTBB; limit it with `tbb::global_control`) and, to the solver's bound, of
+/// the numbering. `g` is not changed; faces of `g` are consistently oriented, which side is outside does not matter.
 ///
 /// \tparam Graph       model of `FaceListGraph`; faces with three or more corners. Faces that meet in a vertex but not
 ///                     in an edge (non-manifold vertex) count as separate sheets.
@@ -45,8 +45,9 @@ struct Reconstruction_options
 ///                     where three or more critical edges meet is always taken as sharp), `geom_traits`.
 /// \param policies     the paper's choices by default.
 /// \throws Input_error if `options.degree` is outside [1, 6] or a coordinate is not finite; `fits` is then untouched.
-/// \par Complexity  linear in the faces; memory about 250 bytes per vertex plus 8 bytes per vertex and thread.
-/// \par Source      Ims & Wang 2018, section 3.3; Jiao & Wang 2012 (WALF).
+/// \throws Cancelled if the progress callback asks to stop; some fits are then written.
+/// \par Complexity  linear in the faces; memory about 500 bytes per vertex at its peak, plus 4 bytes per vertex and
+/// thread. \par Source      Ims & Wang 2018, section 3.3; Jiao & Wang 2012 (WALF).
 template <class Graph, class FaceFitMap, class NamedParameters = No_parameters, class Policies = Paper_policies>
 Reconstruction_report reconstruct_surface(const Graph& g, FaceFitMap fits, const Reconstruction_options& options = {},
                                           const NamedParameters& params = no_parameters, const Policies& policies = {})

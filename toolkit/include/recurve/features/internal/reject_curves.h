@@ -91,10 +91,10 @@ private:
   }
 
   /// whether the curve through the half-edges `h` and `g` goes straight on at their source, and has all the other
-  /// candidates there, which are stronger, on one side.
+  /// candidates there, at least two and stronger, on one side.
   bool is_touched_there(Index h, Index g) const
   {
-    if (turning(h, g) > options_.turning_angle + angle_tie)
+    if ((*out_)[s_.source_of(h)].size() < 4 || turning(h, g) > options_.turning_angle + angle_tie)
       return false;
     const double strongest = std::max(a_.dihedral[h / 2], a_.dihedral[g / 2]);
     for (const Index k : (*out_)[s_.source_of(h)])
@@ -229,7 +229,7 @@ private:
     }
   }
 
-  std::optional<Rejection> reason_by_ends(const std::vector<Index>& curve) const
+  std::optional<Rejection> reason_by_ends(const std::vector<Index>& curve)
   {
     const Index first = curve.front(), last = curve.back() ^ 1;
     const auto is_obscure = [&](Index h) { return end_[h] == End_type::dangling || end_[h] == End_type::doubtful; };
@@ -238,7 +238,7 @@ private:
     const Index strong_edges =
       std::count_if(curve.begin(), curve.end(), [&](Index h) { return a_.dihedral[h / 2] > options_.strong_angle; });
     const bool is_dangling = end_[first] == End_type::dangling || end_[last] == End_type::dangling;
-    if (strong_edges <= options_.strong_edges && is_dangling)
+    if (strong_edges <= options_.strong_edges && is_dangling && !stands_out(curve))
       return Rejection::dangling;
     if (strong_edges <= options_.strong_edges && is_obscure(first) && is_obscure(last))
       return Rejection::doubtful;
@@ -250,6 +250,16 @@ private:
     return std::nullopt;
   }
 
+  bool stands_out(const std::vector<Index>& curve)
+  {
+    static const double C = getenv("CC") ? atof(getenv("CC")) : 1e9, FR = getenv("FR") ? atof(getenv("FR")) : 0.75; static const int both = getenv("BOTH") ? 1 : 0;
+    const Index first = curve.front(), last = curve.back() ^ 1;
+    const auto is_obscure = [&](Index h) { return end_[h] == End_type::dangling || end_[h] == End_type::doubtful; };
+    if (!both && is_obscure(first) && is_obscure(last)) return false;
+    int n = 0;
+    for (const Index h : curve) { double& c = contrast_of_[h / 2]; if (c < 0) c = contrast_(h / 2); n += c >= C; }
+    return n > options_.strong_edges && n >= FR * curve.size();
+  }
   /// whether the surface bends beside `curve` about as much as along it.
   bool is_smooth(std::span<const Index> curve)
   {

@@ -3,6 +3,7 @@
 
 #include <recurve/mesh/internal/buckets.h>
 #include <recurve/mesh/internal/element_blocks.h>
+#include <recurve/mesh/internal/sort_few.h>
 
 #include <array>
 #include <span>
@@ -30,7 +31,7 @@ struct Face_key
 
 inline Face_key face_key(std::array<Index, 4> vertices, int corner_count)
 {
-  std::sort(vertices.begin(), vertices.begin() + corner_count);
+  sort_few(vertices, corner_count);
   Face_key key;
   for (int c = 0; c < corner_count; ++c)
     if (c == 0 || vertices[c] != vertices[c - 1])
