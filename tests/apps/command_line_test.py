@@ -135,7 +135,7 @@ class Command_line(unittest.TestCase):
         self.assertEqual(report["displacement"]["largest"]["patch"], "sphere")
         with h5py.File(self.out) as file:
             zone = file["Base/shell"]
-            self.assertEqual(list(zone["cells/ data"][:]), [12, 0])  # HEXA_27
+            self.assertEqual(list(zone["cells/ data"][:]), [19, 0])  # HEXA_27
             points = numpy.stack([zone[f"GridCoordinates/Coordinate{c}/ data"][:] for c in "XYZ"], axis=1)
         # The surface of a cube of 8 x 8 x 8 has 386 nodes; two layers of quadratic cells make five such surfaces.
         self.assertEqual(len(points), 5 * 386)
@@ -230,6 +230,16 @@ class Command_line(unittest.TestCase):
         for node in (0, -3, 295, 2**31 - 1):
             self.edit("Base/shell/cells/ElementConnectivity", lambda values: values.__setitem__(8 * 4, node))
             self.assert_refuses(BAD_INPUT, "shell.cgns", "shell", "cells", "5", str(node))
+
+    def test_elements_that_are_not_linear_cells(self):
+        for number, word in ((19, "HEXA_27"), (22, "NGON_n"), (23, "NFACE_n")):
+            self.edit("Base/shell/cells", lambda values: values.__setitem__(0, number))
+            self.assert_refuses(BAD_INPUT, "shell.cgns", "shell", "cells", word)
+
+    def test_mesh_without_cells(self):
+        with h5py.File(self.mesh, "r+") as file:
+            del file["Base/shell/cells"]
+        self.assert_refuses(BAD_INPUT, "shell.cgns", "shell", "no cells")
 
     def test_two_dimensional_mesh(self):
         self.edit("Base", lambda values: values.__setitem__(0, 2))

@@ -81,6 +81,14 @@ TEST_CASE("detect_features: the dihedral method is the plain test")
   }
 }
 
+TEST_CASE("detect_features: without a method only the borders are left")
+{
+  const auto d = detect(rough_sheet(4, 0, Split::same, 1), {.method = Feature_method::none});
+  CHECK(d.report.critical_edges == 16);
+  CHECK(d.report.sharp_vertices == 4);
+  CHECK(detect(cube(2, Split::same), {.method = Feature_method::none}).report.sharp_vertices == 0);
+}
+
 TEST_CASE("detect_features: both maps are written completely, a second call is equal")
 {
   const Surface s = cylinder(24, 4, true, Split::same);

@@ -7,6 +7,7 @@
 #include <cgns_io.h>
 #include <cgnslib.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstdlib>
@@ -81,9 +82,8 @@ public:
     static constexpr std::array<const char*, 3> names = {"CoordinateX", "CoordinateY", "CoordinateZ"};
     for (std::size_t d = 0; d < 3; ++d)
     {
-      std::vector<double> component;
-      for (const Point& point : points)
-        component.push_back(point[d]);
+      std::vector<double> component(points.size());
+      std::transform(points.begin(), points.end(), component.begin(), [d](const Point& point) { return point[d]; });
       const std::vector<float> single(component.begin(), component.end());
       int index = 0;
       const void* const data = type == RealDouble ? static_cast<const void*>(component.data()) : single.data();

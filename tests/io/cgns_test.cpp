@@ -20,8 +20,9 @@ void check_four_cells(const Zone& zone)
                                                                   {Element_type::prism, truth.prism},
                                                                   {Element_type::pyramid, truth.pyramid},
                                                                   {Element_type::tetrahedron, truth.tetrahedron}}};
-  for (const auto& [type, nodes] : cells)
+  for (const auto& [cell_type, nodes] : cells)
   {
+    const Element_type type = cell_type;
     const auto section =
       std::find_if(zone.cells.begin(), zone.cells.end(), [&](const Section& s) { return s.type == type; });
     REQUIRE(section != zone.cells.end());
@@ -533,9 +534,8 @@ TEST_CASE("read_cgns strips the rind of structured zones")
     const std::array<cgsize_t, 3> low = {0, 1, 1}, high = {2, 2, 4};
     for (std::size_t d = 0; d < 3; ++d)
     {
-      std::vector<double> component;
-      for (const Point& point : points)
-        component.push_back(point[d]);
+      std::vector<double> component(points.size());
+      std::transform(points.begin(), points.end(), component.begin(), [d](const Point& point) { return point[d]; });
       int index = 0;
       REQUIRE(cg_coord_partial_write(raw.number, raw.base_number, raw.zone_number, RealDouble, names[d], low.data(),
                                      high.data(), component.data(), &index) == CG_OK);

@@ -6,7 +6,6 @@
 #include <tbb/global_control.h>
 
 using namespace recurve;
-using Catch::VectorContains;
 
 namespace {
 

@@ -65,11 +65,10 @@ std::vector<Index> owner_corners(const Made& made, Boundary_surface::Face f)
   const Section_entry entry = find_element(zone.cells, owner.cell);
   const Section& section = zone.cells[entry.section];
   const Reference_face& face = reference_element(section.type).faces[owner.face];
-  std::vector<Index> vertices;
-  for (int c = 0; c < face.corner_count; ++c)
-    vertices.push_back(
-      made.joined
-        .vertex_of_point[owner.zone][section.nodes[entry.element * corner_count(section.type) + face.corners[c]]]);
+  const Index* const nodes = section.nodes.data() + entry.element * corner_count(section.type);
+  std::vector<Index> vertices(static_cast<std::size_t>(face.corner_count));
+  for (std::size_t c = 0; c < vertices.size(); ++c)
+    vertices[c] = made.joined.vertex_of_point[owner.zone][nodes[face.corners[c]]];
   return vertices;
 }
 

@@ -64,9 +64,9 @@ double largest_error(const Curved_mesh& mesh)
         REQUIRE(section.nodes.size() % lattice.size() == 0);
         for (std::size_t first = 0; first < section.nodes.size(); first += lattice.size())
         {
-          std::vector<Point> corners;
-          for (int c = 0; c < corner_count(section.type); ++c)
-            corners.push_back(mesh.nodes[section.nodes[first + static_cast<std::size_t>(c)]]);
+          std::vector<Point> corners(static_cast<std::size_t>(corner_count(section.type)));
+          for (std::size_t c = 0; c < corners.size(); ++c)
+            corners[c] = mesh.nodes[section.nodes[first + c]];
           for (std::size_t m = 0; m < lattice.size(); ++m)
           {
             const Point expected = straight_position(section.type, mesh.degree, lattice[m], corners);
@@ -80,7 +80,7 @@ double largest_error(const Curved_mesh& mesh)
 }
 
 /// number of nodes by counting entities: vertices, edges, faces and cells, each with those inside it.
-Index expected_node_count(const Zone& zone, int p)
+Index expected_node_count(const Zone& zone, Index p)
 {
   std::set<std::pair<Index, Index>> edges;
   Index count = static_cast<Index>(zone.points.size());
@@ -182,7 +182,7 @@ TEST_CASE("zones share the nodes of their interface", "[curved_mesh]")
     const Curved_mesh mesh = elevate_joined(linear, degree);
     CHECK(distinct_positions(mesh.nodes) == mesh.nodes.size());
     CHECK(largest_error(mesh) < 1e-14);
-    const Index on_seam = static_cast<Index>((2 * degree + 1) * (2 * degree + 1)); // 2 x 2 squares
+    const Index on_side = 2 * degree + 1, on_seam = on_side * on_side; // 2 x 2 squares
     const Index apart = expected_node_count(linear.zones[0], degree) + expected_node_count(linear.zones[1], degree);
     CHECK(static_cast<Index>(mesh.nodes.size()) == apart - on_seam);
     for (std::size_t z = 0; z < 2; ++z)

@@ -191,9 +191,9 @@ TEST_CASE("an interface of faces joins their corners", "[join_zones]")
     const Section& section = zone.faces.back();
     for (Index e = 0; e < section.size(); ++e)
     {
-      std::vector<Point> corners;
-      for (int c = 0; c < corner_count(section.type); ++c)
-        corners.push_back(zone.points[section.nodes[e * corner_count(section.type) + c]]);
+      std::vector<Point> corners(static_cast<std::size_t>(corner_count(section.type)));
+      for (std::size_t c = 0; c < corners.size(); ++c)
+        corners[c] = zone.points[section.nodes[e * static_cast<Index>(corners.size()) + c]];
       std::sort(corners.begin(), corners.end());
       face_at[z][corners] = zone.face_count() - section.size() + e;
     }
@@ -311,16 +311,16 @@ TEST_CASE("a baffle that runs through an interface keeps its sides", "[join_zone
   }
   mesh = test::relabelled(mesh, seed);
   const Joined_zones joined = join_zones(mesh);
-  CHECK(joined.pairs[0].points_by_geometry == 4 * 3 * 2);
+  CHECK(joined.pairs[0].points_by_geometry == 24);
   const Boundary_report report = find_boundary_faces(mesh, joined).report;
-  CHECK(report.interface_faces == 3 * 4);
+  CHECK(report.interface_faces == 12);
   CHECK(report.crowded_faces == 0);
 }
 
 TEST_CASE("the poles of two grids are joined in step", "[join_zones]")
 {
   // Wedges around the z axis, stacked as two zones, with points of their own on the axis for each wedge.
-  const int n = 12;
+  const Index n = 12;
   const unsigned seed = GENERATE(1u, 2u, 3u);
   CAPTURE(seed);
   Volume_mesh mesh;
@@ -329,12 +329,12 @@ TEST_CASE("the poles of two grids are joined in step", "[join_zones]")
     Zone zone;
     zone.name = level == 0 ? "lower" : "upper";
     for (int k = 0; k <= 1; ++k)
-      for (int j = 0; j < n; ++j)
+      for (Index j = 0; j < n; ++j)
         for (int i = 0; i <= 1; ++i)
-          zone.points.push_back(
-            {i * std::cos(6.283185307179586 * j / n), i * std::sin(6.283185307179586 * j / n), double(level + k)});
-    const auto at = [&](int i, int j, int k) { return Index(i + 2 * (j % n + n * k)); };
-    for (int j = 0; j < n; ++j)
+          zone.points.push_back({i * std::cos(6.283185307179586 * double(j) / double(n)),
+                                 i * std::sin(6.283185307179586 * double(j) / double(n)), double(level + k)});
+    const auto at = [&](Index i, Index j, Index k) { return i + 2 * (j % n + n * k); };
+    for (Index j = 0; j < n; ++j)
       test::add_cell(zone, Element_type::hexahedron,
                      {at(0, j, 0), at(1, j, 0), at(1, j + 1, 0), at(0, j + 1, 0), at(0, j, 1), at(1, j, 1),
                       at(1, j + 1, 1), at(0, j + 1, 1)});
@@ -352,7 +352,7 @@ TEST_CASE("many zones meet in one point", "[join_zones]")
   for (int octant = 0; octant < 8; ++octant)
     mesh.zones.push_back(
       test::box_zone(Element_type::prism,
-                     {.cubes = {2, 2, 2}, .origin = {double(octant % 2), double(octant / 2 % 2), double(octant / 4)}},
+                     {.cubes = {2, 2, 2}, .origin = {double(octant & 1), double(octant >> 1 & 1), double(octant >> 2)}},
                      "octant " + std::to_string(octant)));
   const Joined_zones joined = join_zones(mesh);
   CHECK(joined.vertex_count == 125);

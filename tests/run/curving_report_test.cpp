@@ -37,7 +37,8 @@ TEST_CASE("the report of a conversion counts what is there")
   CHECK(found["mesh"]["cells"] == 192);
   CHECK(found["mesh"]["cells_by_type"]["hexahedron"] == 192);
   CHECK(found["mesh"]["points"] == 3 * 98);
-  CHECK(found["mesh"]["bounding_box"]["largest"] == json({2.0, 2.0, 2.0}));
+  for (std::size_t c = 0; c < 3; ++c)
+    CHECK(found["mesh"]["bounding_box"]["largest"][c].get<double>() == Approx(2));
   CHECK(found["patches"][0]["name"] == "sphere");
   CHECK(found["patches"][0]["curved_faces"] == 96);
   CHECK(found["patches"][1]["name"] == "outer");

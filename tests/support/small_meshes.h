@@ -81,9 +81,9 @@ inline std::map<std::vector<Index>, Counted_face> faces_of_cells(const Zone& zon
     for (Index e = 0; e < section.size(); ++e)
       for (int f = 0; f < reference.face_count; ++f)
       {
-        std::vector<Index> points;
-        for (int c = 0; c < reference.faces[f].corner_count; ++c)
-          points.push_back(section.nodes[e * reference.corner_count + reference.faces[f].corners[c]]);
+        std::vector<Index> points(static_cast<std::size_t>(reference.faces[f].corner_count));
+        for (std::size_t c = 0; c < points.size(); ++c)
+          points[c] = section.nodes[e * reference.corner_count + reference.faces[f].corners[c]];
         std::vector<Index> key = points;
         std::sort(key.begin(), key.end());
         Counted_face& face = faces[key];
@@ -104,8 +104,8 @@ inline Index hull_face_count(const Zone& zone)
 }
 
 /// gives the hull faces of a zone patches: `name_of(centre of the face)` is the patch's name, "" leaves the face out.
-template <class Name_of>
-void add_hull_patches(Zone& zone, const Name_of& name_of)
+template <class NameOf>
+void add_hull_patches(Zone& zone, const NameOf& name_of)
 {
   std::map<std::pair<std::string, int>, std::vector<std::vector<Index>>> faces;
   for (const auto& [key, face] : faces_of_cells(zone))
@@ -175,7 +175,7 @@ inline Zone box_zone(Element_type type, const Box_options& options = {}, const s
         zone.points.push_back({options.origin[0] + options.size[0] * i / n[0],
                                options.origin[1] + options.size[1] * j / n[1],
                                options.origin[2] + options.size[2] * k / n[2]});
-  const auto at = [&](int i, int j, int k) { return Index(i + (n[0] + 1) * (j + (n[1] + 1) * k)); };
+  const auto at = [&](Index i, Index j, Index k) { return i + (n[0] + 1) * (j + (n[1] + 1) * k); };
   for (int k = 0; k < n[2]; ++k)
     for (int j = 0; j < n[1]; ++j)
       for (int i = 0; i < n[0]; ++i)

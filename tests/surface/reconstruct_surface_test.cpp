@@ -392,6 +392,18 @@ TEST_CASE("a fit that fails is lowered and counted", "[reconstruct_surface]")
   CHECK(hopeless.lowered_faces == faces);
 }
 
+TEST_CASE("the bound on displacements is a choice", "[reconstruct_surface]")
+{
+  const Mesh mesh = make_mesh(icosphere(1));
+  std::vector<Local_fit> fits(mesh.number_of_faces());
+  const auto map = boost::make_iterator_property_map(fits.begin(), get(boost::face_index, mesh));
+  const auto lowered = [&](double bound) {
+    return reconstruct_surface(mesh, map, {.degree = 4, .largest_displacement = bound}).lowered_faces;
+  };
+  CHECK(lowered(1) == 0);
+  CHECK(lowered(1e-3) == 80); // a sphere this coarse has sagittas of a tenth of its faces
+}
+
 TEST_CASE("reports add up", "[reconstruct_surface]")
 {
   const Reconstruction a = reconstruct(make_mesh(rough_sphere(1)), 2);
@@ -452,6 +464,9 @@ TEST_CASE("wrong input is refused before anything is written", "[reconstruct_sur
   const Mesh mesh = make_mesh(rough_sphere(1));
   CHECK_THROWS_AS(reconstruct(mesh, 0), Input_error);
   CHECK_THROWS_AS(reconstruct(mesh, 7), Input_error);
+  std::vector<Local_fit> fits(mesh.number_of_faces());
+  const auto map = boost::make_iterator_property_map(fits.begin(), get(boost::face_index, mesh));
+  CHECK_THROWS_AS(reconstruct_surface(mesh, map, {.largest_displacement = 0}), Input_error);
   Mesh broken = mesh;
   broken.point(Mesh::Vertex_index(17)) = Point_3(0, std::numeric_limits<double>::quiet_NaN(), 0);
   try

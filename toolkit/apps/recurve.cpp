@@ -81,6 +81,21 @@ recurve::Progress_callback callback_of(recurve::Progress_bar& bar)
   };
 }
 
+/// runs `work` on the mesh of `file`, which knows nothing of files: faults of the mesh are told with the name of the
+/// file.
+template <class Work>
+auto naming(const fs::path& file, Work work)
+{
+  try
+  {
+    return work();
+  }
+  catch (const recurve::Input_error& error)
+  {
+    throw recurve::Input_error(fmt::format("{}: {}", file.string(), error.what()));
+  }
+}
+
 bool is_same_file(const fs::path& a, const fs::path& b)
 {
   std::error_code ignored;
@@ -165,7 +180,8 @@ void run(Curve_command& command)
     run_stage("read", read_time, progress, [&] { return read_mesh(command.input, &read_report, progress); });
   Results results(command);
   Curving_report report;
-  const Curved_mesh curved = curve_mesh(std::move(linear), command.options, &report, progress);
+  const Curved_mesh curved =
+    naming(command.input, [&] { return curve_mesh(std::move(linear), command.options, &report, progress); });
   run_stage("write", report.stages, progress, [&] { write_mesh(curved, results.mesh(), {}, progress); });
 
   report.input = command.input.string();
@@ -189,7 +205,7 @@ void run(const Info_command& command)
   std::vector<Stage_time> times;
   Volume_mesh mesh =
     run_stage("read", times, progress, [&] { return read_mesh(command.input, &read_report, progress); });
-  const Mesh_structure structure = find_structure(mesh, {}, times, progress);
+  const Mesh_structure structure = naming(command.input, [&] { return find_structure(mesh, {}, times, progress); });
   const Mesh_summary summary = summarize(mesh, structure);
   bar.finish();
   if (!command.as_json)
@@ -288,6 +304,16 @@ int fail(std::string message, int status)
   return status;
 }
 
+/// what is wrong with the command line, in the words of CLI11 but for a first word that is no command.
+std::string parse_message(const CLI::App& app, const CLI::ParseError& error, int argc, char** argv)
+{
+  std::string message = error.what();
+  const auto is_named = [&](const CLI::App* command) { return argc > 1 && command->check_name(argv[1]); };
+  if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(is_named).empty())
+    message = fmt::format("\"{}\" is not a command; commands are curve and info", argv[1]);
+  return fmt::format("{} (recurve --help explains)", message);
+}
+
 int run_program(int argc, char** argv)
 {
   Curve_command curve;
@@ -306,7 +332,7 @@ int run_program(int argc, char** argv)
   {
     if (error.get_exit_code() == 0)
       return app.exit(error); // --help, --version
-    return fail(fmt::format("{} (recurve --help explains)", error.what()), exit_usage);
+    return fail(parse_message(app, error, argc, argv), exit_usage);
   }
   if (app.got_subcommand("info"))
     run(info);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <unordered_set>
 
 namespace recurve::internal {
 
@@ -23,8 +24,9 @@ struct Patch_reading
   std::vector<Patch> patches = {};       ///< one per BC_t, faces empty until the end
   std::vector<Index> patch_of_face = {}; ///< per face of the zone, no_index: none yet
   std::vector<Vertex_patch> by_points = {};
-  std::vector<std::string> where = {}; ///< per patch, for messages
-  std::vector<bool> is_left_out = {};  ///< per patch: a note already says why it has no faces
+  std::vector<std::string> where = {};             ///< per patch, for messages
+  std::vector<bool> is_left_out = {};              ///< per patch: a note already says why it has no faces
+  std::unordered_set<Index> structured_faces = {}; ///< the faces of a structured zone that have a patch
 
   void note(std::size_t patch, std::string_view text)
   {
@@ -88,29 +90,18 @@ bool means_elements(const Zone_reading& zone, const Point_set& set)
 
 void add_structured_faces(Patch_reading& r, std::size_t patch, const std::vector<std::array<Index, 4>>& faces)
 {
-  // Faces of two conditions may overlap, and are found by their smallest and its opposite corner (which no other face
-  // of the zone has).
   Zone& zone = r.zone.zone;
-  std::vector<std::array<Index, 4>> taken;
-  for (const Section& section : zone.faces)
-    for (std::size_t m = 0; m < section.nodes.size(); m += 4)
-    {
-      std::array<Index, 4> face = {section.nodes[m], section.nodes[m + 1], section.nodes[m + 2], section.nodes[m + 3]};
-      std::sort(face.begin(), face.end());
-      taken.push_back(face);
-    }
-  std::sort(taken.begin(), taken.end());
   Section section = {
     .name = section_names(zone).take(r.patches[patch].name), .type = Element_type::quadrangle, .nodes = {}};
   Leftovers leftovers;
   for (const std::array<Index, 4>& face : faces)
   {
-    std::array<Index, 4> sorted = face;
-    std::sort(sorted.begin(), sorted.end());
-    if (std::binary_search(taken.begin(), taken.end(), sorted))
-      ++leftovers.taken;
-    else
+    // No two faces of the zone share their smallest and their largest corner.
+    const auto [low, high] = std::minmax_element(face.begin(), face.end());
+    if (r.structured_faces.insert(*low * r.zone.point_count() + *high).second)
       section.nodes.insert(section.nodes.end(), face.begin(), face.end());
+    else
+      ++leftovers.taken;
   }
   r.patch_of_face.resize(r.patch_of_face.size() + static_cast<std::size_t>(section.size()), static_cast<Index>(patch));
   if (section.size() > 0)

@@ -77,11 +77,11 @@ std::optional<std::array<std::string, 5>> read_units(const Cgns_tree& tree, cons
   if (!child)
     return std::nullopt;
   std::string text = tree.read_text(*child);
-  text.resize(5 * 32, ' ');
   std::array<std::string, 5> units;
-  for (std::size_t m = 0; m < 5; ++m)
+  text.resize(units.size() * longest_cgns_name, ' ');
+  for (std::size_t m = 0; m < units.size(); ++m)
   {
-    units[m] = text.substr(32 * m, 32);
+    units[m] = text.substr(m * longest_cgns_name, longest_cgns_name);
     units[m].erase(units[m].find_last_not_of(' ') + 1);
     if (units[m] == "Null" || units[m] == "UserDefined")
       units[m].clear();

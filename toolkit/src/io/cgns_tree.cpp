@@ -38,7 +38,7 @@ void widen(const std::vector<char>& bytes, std::span<T> piece)
   {
     Stored value;
     std::memcpy(&value, bytes.data() + m * sizeof(Stored), sizeof(Stored));
-    piece[m] = static_cast<T>(value);
+    piece[m] = static_cast<T>(value); // NOLINT(bugprone-signed-char-misuse): texts go to char only
   }
 }
 
@@ -157,9 +157,11 @@ std::vector<Cgns_node> Cgns_tree::children(const Cgns_node& parent) const
   int found = 0;
   if (count > 0)
     check(cgio_children_ids(handle_, *parent.id_, 1, count, &found, ids.data()), what);
+  ids.resize(static_cast<std::size_t>(std::clamp(found, 0, std::max(count, 0))));
   std::vector<Cgns_node> result;
-  for (int m = 0; m < std::min(found, count); ++m)
-    result.push_back(make_node(ids[static_cast<std::size_t>(m)]));
+  result.reserve(ids.size());
+  for (const double id : ids)
+    result.push_back(make_node(id));
   return result;
 }
 

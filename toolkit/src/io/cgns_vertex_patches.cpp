@@ -166,6 +166,7 @@ std::vector<Corner_face> loose_faces(const Matching& m)
   // A face of two cells is inside the volume; one of a section is there already.
   const auto by_key = [](const Corner_face& a, const Corner_face& b) { return a.key() < b.key(); };
   std::vector<std::array<Index, 4>> known;
+  known.reserve(in_sections.size());
   for (const Corner_face& entry : in_sections)
     known.push_back(entry.key());
   std::sort(known.begin(), known.end());

@@ -3,6 +3,7 @@
 
 #include <recurve/core/exceptions.h>
 
+#include <limits>
 #include <string>
 
 namespace recurve {
@@ -11,6 +12,7 @@ namespace recurve {
 enum class Feature_method
 {
   classified, ///< edges and vertices ranked by several angles, assembled into curves, unlikely curves rejected
+  none,       ///< only border and constrained edges
   dihedral    ///< every edge whose dihedral angle exceeds `Feature_options::dihedral_angle`, and nothing else
 };
 
@@ -67,6 +69,10 @@ struct Feature_options
   /// multiple of that beside it. Without unit.
   double smooth_contrast = 2;
 
+  /// a long curve (of more than `strong_edges` edges) is kept in spite of doubtful ends if at three quarters of its
+  /// edges the bending per length is at least this multiple of that beside it: a crease that fades out. Without unit.
+  double crease_contrast = 3;
+
   /// the one threshold of `Feature_method::dihedral`.
   double dihedral_angle = 30;
 };
@@ -104,6 +110,7 @@ inline void check(const Feature_options& options)
   in_range("ridge_ratio", o.ridge_ratio, 0, 1);
   in_range("smooth_angle", o.smooth_angle, 0, 180);
   in_range("smooth_contrast", o.smooth_contrast, 0, 1e6);
+  in_range("crease_contrast", o.crease_contrast, 0, std::numeric_limits<double>::infinity());
   in_range("strong_edges", o.strong_edges, 0, 1e9);
 }
 

@@ -4,7 +4,9 @@
 #include <recurve/mesh/join_zones.h>
 #include <recurve/mesh/volume_mesh.h>
 
+#include <cstdint>
 #include <string>
+#include <tuple>
 #include <vector>
 
 namespace recurve {
@@ -16,7 +18,11 @@ struct Cell_face
   Index cell = no_index;
   int face = -1;
 
-  friend auto operator<=>(const Cell_face&, const Cell_face&) = default;
+  friend bool operator==(const Cell_face&, const Cell_face&) = default;
+  friend bool operator<(const Cell_face& a, const Cell_face& b)
+  {
+    return std::tie(a.zone, a.cell, a.face) < std::tie(b.zone, b.cell, b.face);
+  }
 };
 
 /// What stands on the two sides of a face of a zone (`Zone::faces`).

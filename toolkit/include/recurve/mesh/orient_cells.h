@@ -13,7 +13,7 @@ struct Cell_number
   Index zone = no_index;
   Index cell = no_index;
 
-  friend auto operator<=>(const Cell_number&, const Cell_number&) = default;
+  friend bool operator==(const Cell_number&, const Cell_number&) = default;
 };
 
 /// What `orient_cells()` found; lists are ascending.

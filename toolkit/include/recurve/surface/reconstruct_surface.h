@@ -18,7 +18,11 @@ namespace recurve {
 /// are solved are types: see `Reconstruction_policies`.
 struct Reconstruction_options
 {
-  int degree = 2;                  ///< degree d of the local polynomials, 1 <= d <= 6
+  int degree = 2; ///< degree d of the local polynomials, 1 <= d <= 6
+  double largest_displacement =
+    100;                           ///< a fit that moves a corner, mid-edge or centre of its face farther is lowered; in
+                                   ///< sizes of the face (largest distance of a corner from the centre). The paper's
+                                   ///< check is "hundreds of times"; 1 already is more than any arc of a half circle.
   Progress_callback progress = {}; ///< called with the stage "reconstruct surface"
 };
 
@@ -27,7 +31,7 @@ struct Reconstruction_options
 ///
 /// A planar surface gets fits that are exactly flat. A polynomial surface of degree <= `options.degree` is reproduced
 /// to the accuracy of the solver (1e-8 of the heights by default); a smooth one is approximated to O(h^(degree+1)).
-/// Where a fit is not finite or moves the face by hundreds of times its size, the face is fitted again with a degree
+/// Where a fit is not finite or moves the face too far, the face is fitted again with a degree
 /// one lower, down to 0, which leaves it straight; the report tells where and why. A face without a normal (zero area)
 /// gets a flat fit.
 ///
@@ -44,10 +48,10 @@ struct Reconstruction_options
 ///                     edges; default: none), `vertex_is_constrained_map` (sharp vertices; default: none. A vertex
 ///                     where three or more critical edges meet is always taken as sharp), `geom_traits`.
 /// \param policies     the paper's choices by default.
-/// \throws Input_error if `options.degree` is outside [1, 6] or a coordinate is not finite; `fits` is then untouched.
-/// \throws Cancelled if the progress callback asks to stop; some fits are then written.
-/// \par Complexity  linear in the faces; memory about 500 bytes per vertex at its peak, plus 4 bytes per vertex and
-/// thread. \par Source      Ims & Wang 2018, section 3.3; Jiao & Wang 2012 (WALF).
+/// \throws Input_error if `options.degree` is outside [1, 6], the largest displacement is not positive or a coordinate
+/// is not finite; `fits` is then untouched. \throws Cancelled if the progress callback asks to stop; some fits are then
+/// written. \par Complexity  linear in the faces; memory about 500 bytes per vertex at its peak, plus 4 bytes per
+/// vertex and thread. \par Source      Ims & Wang 2018, section 3.3; Jiao & Wang 2012 (WALF).
 template <class Graph, class FaceFitMap, class NamedParameters = No_parameters, class Policies = Paper_policies>
 Reconstruction_report reconstruct_surface(const Graph& g, FaceFitMap fits, const Reconstruction_options& options = {},
                                           const NamedParameters& params = no_parameters, const Policies& policies = {})
@@ -58,8 +62,11 @@ Reconstruction_report reconstruct_surface(const Graph& g, FaceFitMap fits, const
                 "vertex_is_constrained_map and geom_traits only");
   if (options.degree < 1 || options.degree > max_fit_degree)
     throw Input_error("degree of the fits: expected 1 to 6, found " + std::to_string(options.degree));
+  if (!(options.largest_displacement > 0))
+    throw Input_error("largest displacement of the fits: expected a positive number");
   const internal::surface::Surface_arrays surface = internal::surface::gather_surface(g, params);
-  return internal::surface::fit_faces(g, surface, fits, options.degree, policies, options.progress);
+  return internal::surface::fit_faces(g, surface, fits, {options.degree, options.largest_displacement}, policies,
+                                      options.progress);
 }
 
 } // namespace recurve

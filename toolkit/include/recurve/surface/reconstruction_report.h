@@ -15,7 +15,7 @@ namespace recurve {
 enum class Lowering_reason : std::uint8_t
 {
   not_finite,   ///< a coefficient was infinite or not a number
-  displacement, ///< the fit moved the face by hundreds of times its size
+  displacement, ///< the fit moved the face farther than `Reconstruction_options::largest_displacement`
   no_normal     ///< the face has no area, hence no tangent plane: straight at once
 };
 

@@ -3,6 +3,7 @@
 
 #include <recurve/core/exceptions.h>
 
+#include <algorithm>
 #include <cmath>
 #include <concepts>
 #include <limits>
@@ -24,36 +25,42 @@ concept Influence = requires(const W& w, double q) {
 /// An influence that can be summed fast. It has to be a sum of positive multiples of inverse powers of the distance
 /// (then the radial direction is the worst for its Taylor series), and to know of itself:
 ///   - `w.derivatives(q, values)`  values[m] = (2 d/dq)^m w(q), m = 0 .. values.size()-1.
-///   - `w.remainder(distance, mean_radius, largest_radius, degree)`  a bound of what the Taylor polynomial of degree
-///     `degree` at a point that far away omits, averaged over displacements of its argument that are nowhere longer
-///     than `largest_radius` < `distance` and whose mean of order degree + 1 is at most `mean_radius`.
+///   - `w.remainders(distance, mean_radius, largest_radius, values)`  values[k] = a bound of what the Taylor polynomial of
+///     degree k at a point that far away omits, averaged over displacements of its argument that are nowhere longer
+///     than `largest_radius` < `distance` and whose mean of order k + 1 is at most `mean_radius`.
 template <class W>
-concept Expandable_influence = Influence<W> && requires(const W& w, double q, std::span<double> values, int degree) {
+concept Expandable_influence = Influence<W> && requires(const W& w, double q, std::span<double> values) {
   w.derivatives(q, values);
-  { w.remainder(q, q, q, degree) } -> std::convertible_to<double>;
+  w.remainders(q, q, q, values);
 };
 
 namespace internal {
 
-/// the remainder of |x|^-power; see `Expandable_influence`. The term of degree k of the series of |x + d|^-power is at
-/// most binomial(power + k - 1, k) (|d|/|x|)^k |x|^-power (Gegenbauer polynomials are largest at 1), and the terms from
-/// degree + 1 on sum to at most the first of them times (1 - |d|/|x|)^-power.
+/// adds `factor` times the remainders of |x|^-power; see `Expandable_influence`. The term of degree k of the series of
+/// |x + d|^-power is at most binomial(power + k - 1, k) (|d|/|x|)^k |x|^-power, since Gegenbauer polynomials are largest
+/// at 1. The quotient of successive terms tends to |d|/|x| and is largest (power > 1) or smallest in front, so that the
+/// remainder is less than a geometric series.
 template <class Power>
-double inverse_power_remainder(Power power, double distance, double mean_radius, double largest_radius, int degree)
+void add_remainders(Power power, double factor, double distance, double mean_radius, double largest_radius,
+                    std::span<double> values)
 {
-  const double ratio = mean_radius / distance;
-  double term = 1;
-  for (int k = 0; k <= degree; ++k)
-    term *= ratio * (static_cast<double>(power) + k) / (k + 1);
-  const double base = 1 / (distance - largest_radius);
+  const double inverse = 1 / distance;
+  const double ratio = mean_radius * inverse, largest_ratio = largest_radius * inverse;
+  double term = factor;
   if constexpr (std::integral<Power>)
-  {
     for (Power k = 0; k < power; ++k)
-      term *= base;
-    return term;
-  }
+      term *= inverse;
   else
-    return term * std::pow(base, power);
+    term *= std::pow(inverse, power);
+  const double p = static_cast<double>(power);
+  double k = 1;
+  for (double& value : values)
+  {
+    term *= ratio * ((p + k - 1) / k);
+    const double quotient = largest_ratio * std::max(1.0, (p + k) / (k + 1));
+    value += quotient < 1 ? term / (1 - quotient) : std::numeric_limits<double>::infinity();
+    k += 1;
+  }
 }
 
 inline void check_influence(double a, double b, double alpha, double length)
@@ -109,10 +116,11 @@ public:
     }
   }
 
-  double remainder(double distance, double mean_radius, double largest_radius, int degree) const
+  void remainders(double distance, double mean_radius, double largest_radius, std::span<double> values) const
   {
-    return internal::inverse_power_remainder(A, distance, mean_radius, largest_radius, degree) +
-           near_factor_ * internal::inverse_power_remainder(B, distance, mean_radius, largest_radius, degree);
+    std::ranges::fill(values, 0.0);
+    internal::add_remainders(A, 1, distance, mean_radius, largest_radius, values);
+    internal::add_remainders(B, near_factor_, distance, mean_radius, largest_radius, values);
   }
 
 private:
@@ -154,10 +162,11 @@ public:
     }
   }
 
-  double remainder(double distance, double mean_radius, double largest_radius, int degree) const
+  void remainders(double distance, double mean_radius, double largest_radius, std::span<double> values) const
   {
-    return internal::inverse_power_remainder(a_, distance, mean_radius, largest_radius, degree) +
-           near_factor_ * internal::inverse_power_remainder(b_, distance, mean_radius, largest_radius, degree);
+    std::ranges::fill(values, 0.0);
+    internal::add_remainders(a_, 1, distance, mean_radius, largest_radius, values);
+    internal::add_remainders(b_, near_factor_, distance, mean_radius, largest_radius, values);
   }
 
 private:

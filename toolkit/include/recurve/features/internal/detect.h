@@ -16,12 +16,14 @@ struct Detected
   Feature_report report;
 };
 
-/// the sharp vertices: sharp corners by their angle defect, where other than one or two critical edges meet, and where
-/// two meet at an angle.
+/// the sharp vertices: sharp corners by their angle defect (unless nothing is to be detected), where more than two
+/// critical edges meet, and where two meet at an angle.
 inline std::vector<char> find_sharp_vertices(const Flat_surface& s, const Surface_angles& a,
                                              const std::vector<char>& edge_is_critical, const Feature_options& options)
 {
-  std::vector<char> is_sharp = find_sharp_corners(a, options);
+  std::vector<char> is_sharp(s.points.size(), 0);
+  if (options.method != Feature_method::none)
+    is_sharp = find_sharp_corners(a, options);
   const Out_halfedges out(s, [&](Index e) { return edge_is_critical[e] != 0; });
   for (Index v = 0; v < s.number_of_vertices(); ++v)
   {
@@ -78,13 +80,11 @@ inline Detected detect(const Flat_surface& s, const std::vector<char>& constrain
   Detected d;
   const Surface_angles a = measure_angles(s, constrained);
   const Index ne = s.number_of_edges();
+  d.edge_is_critical.assign(ne, 0);
   if (options.method == Feature_method::dihedral)
-  {
-    d.edge_is_critical.resize(ne);
     for (Index e = 0; e < ne; ++e)
       d.edge_is_critical[e] = a.dihedral[e] > options.dihedral_angle;
-  }
-  else
+  if (options.method == Feature_method::classified)
   {
     const Edge_classes classes = Edge_classifier(s, a, options).run();
     d.report.weak_edges = classes.weak_edges;

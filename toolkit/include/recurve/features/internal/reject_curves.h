@@ -16,10 +16,11 @@ namespace recurve::internal::features {
 /// How a candidate curve stands at one end.
 enum class End_type : std::uint8_t
 {
-  none,     ///< the curve goes on
-  dangling, ///< the only candidate at its vertex
-  doubtful, ///< at a turn or a junction that it does not support itself
-  supported ///< at a corner, a junction or a border that it has a right to
+  none,      ///< the curve goes on
+  dangling,  ///< the only candidate at its vertex
+  doubtful,  ///< at a turn or a junction that it does not support itself
+  supported, ///< at a corner or a junction that it has a right to, or sharp at a border
+  border     ///< at a border that it meets as the ridge there
 };
 
 /// Assembles the candidate edges into curves and rejects unlikely ones, until none is rejected any more. All curves of
@@ -34,8 +35,7 @@ public:
   /// returns which edges are left; counts and rejected curves go into `report`.
   std::vector<char> run(Feature_report& report)
   {
-    if (options_.reject_smooth)
-      contrast_of_.assign(s_.number_of_edges(), -1);
+    contrast_of_.assign(s_.number_of_edges(), -1);
     bool has_changed = true;
     while (has_changed)
     {
@@ -138,7 +138,7 @@ private:
     if (is_sharp(h) && (c_.is_sharp_corner[v] || (options_.border_ends && a_.is_pinned_vertex[v])))
       return End_type::supported;
     const bool is_border_end = options_.border_ends && a_.is_pinned_vertex[v] && has(h, largest_dihedral | along_ridge);
-    return is_border_end ? End_type::supported : End_type::dangling;
+    return is_border_end ? End_type::border : End_type::dangling;
   }
 
   End_type junction_end_type(Index v, Index h) const
@@ -232,15 +232,18 @@ private:
   std::optional<Rejection> reason_by_ends(const std::vector<Index>& curve)
   {
     const Index first = curve.front(), last = curve.back() ^ 1;
+    const auto has_end = [&](End_type type) { return end_[first] == type || end_[last] == type; };
     const auto is_obscure = [&](Index h) { return end_[h] == End_type::dangling || end_[h] == End_type::doubtful; };
     if (!is_obscure(first) && !is_obscure(last))
-      return std::nullopt;
-    const Index strong_edges =
+      return has_end(End_type::border) && is_short(curve) && !stands_out(curve) ? std::optional(Rejection::doubtful)
+                                                                                : std::nullopt;
+    const auto strong_edges =
       std::count_if(curve.begin(), curve.end(), [&](Index h) { return a_.dihedral[h / 2] > options_.strong_angle; });
-    const bool is_dangling = end_[first] == End_type::dangling || end_[last] == End_type::dangling;
-    if (strong_edges <= options_.strong_edges && is_dangling && !stands_out(curve))
+    const bool is_faint =
+      strong_edges <= options_.strong_edges && (std::ssize(curve) <= options_.strong_edges || !stands_out(curve));
+    if (is_faint && has_end(End_type::dangling))
       return Rejection::dangling;
-    if (strong_edges <= options_.strong_edges && is_obscure(first) && is_obscure(last))
+    if (is_faint && is_obscure(first) && is_obscure(last))
       return Rejection::doubtful;
     const auto is_at_feature = [&](Index h) {
       return c_.has_sharp_edge[s_.source_of(h)] || c_.is_sharp_corner[s_.source_of(h)];
@@ -250,16 +253,26 @@ private:
     return std::nullopt;
   }
 
+  /// whether `curve` is no more than what noise strings together by chance.
+  static bool is_short(const std::vector<Index>& curve) { return curve.size() <= 2; }
+
+  double contrast(Index h)
+  {
+    double& contrast = contrast_of_[h / 2];
+    if (contrast < 0)
+      contrast = contrast_(h / 2);
+    return contrast;
+  }
+
+  /// whether at two thirds of its edges the surface bends much more along `curve` than beside it. In noise single
+  /// edges do, but few in a row.
   bool stands_out(const std::vector<Index>& curve)
   {
-    static const double C = getenv("CC") ? atof(getenv("CC")) : 1e9, FR = getenv("FR") ? atof(getenv("FR")) : 0.75; static const int both = getenv("BOTH") ? 1 : 0;
-    const Index first = curve.front(), last = curve.back() ^ 1;
-    const auto is_obscure = [&](Index h) { return end_[h] == End_type::dangling || end_[h] == End_type::doubtful; };
-    if (!both && is_obscure(first) && is_obscure(last)) return false;
-    int n = 0;
-    for (const Index h : curve) { double& c = contrast_of_[h / 2]; if (c < 0) c = contrast_(h / 2); n += c >= C; }
-    return n > options_.strong_edges && n >= FR * curve.size();
+    const auto count =
+      std::count_if(curve.begin(), curve.end(), [&](Index h) { return contrast(h) >= options_.crease_contrast; });
+    return 3 * count >= 2 * std::ssize(curve);
   }
+
   /// whether the surface bends beside `curve` about as much as along it.
   bool is_smooth(std::span<const Index> curve)
   {
@@ -267,12 +280,7 @@ private:
       return false;
     contrasts_.clear();
     for (const Index h : curve)
-    {
-      double& contrast = contrast_of_[h / 2];
-      if (contrast < 0)
-        contrast = contrast_(h / 2);
-      contrasts_.push_back(contrast);
-    }
+      contrasts_.push_back(contrast(h));
     const auto median = contrasts_.begin() + static_cast<std::ptrdiff_t>(contrasts_.size() / 2);
     std::nth_element(contrasts_.begin(), median, contrasts_.end());
     return *median < options_.smooth_contrast;

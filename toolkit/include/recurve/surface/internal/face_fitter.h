@@ -17,9 +17,6 @@
 
 namespace recurve::internal::surface {
 
-/// Displacement that proves a fit wrong, in sizes of the face ("hundreds of times": Ims & Wang 2018, section 3.3.4).
-inline constexpr double largest_sane_displacement = 100;
-
 /// Tangent plane of a face and what is known of its precision.
 struct Face_frame
 {
@@ -83,8 +80,8 @@ template <class Policies>
 class Face_fitter
 {
 public:
-  Face_fitter(const Surface_arrays& surface, const Policies& policies)
-    : surface_(&surface), policies_(&policies), builder_(surface)
+  Face_fitter(const Surface_arrays& surface, const Policies& policies, double largest_displacement)
+    : surface_(&surface), policies_(&policies), builder_(surface), largest_displacement_(largest_displacement)
   {}
 
   Face_result fit(Index face, int degree)
@@ -194,10 +191,10 @@ private:
     return false;
   }
 
-  /// whether corners, mid-edges and centre of the face stay where the face is, give or take many times its size.
+  /// whether corners, mid-edges and centre of the face stay near the face.
   bool is_sane(std::span<const Index> corners, const Local_fit& fit) const
   {
-    const double bound = largest_sane_displacement * fit.scale;
+    const double bound = largest_displacement_ * fit.scale;
     const auto stays_near = [&](const Point& local) {
       return std::abs(fit.height(local[0], local[1]) - local[2]) <= bound;
     };
@@ -215,6 +212,7 @@ private:
   const Surface_arrays* surface_;
   const Policies* policies_;
   Stencil_builder builder_;
+  double largest_displacement_;
   bool is_planar_ = false;
   std::vector<double> u_, v_, height_, weight_;
 };

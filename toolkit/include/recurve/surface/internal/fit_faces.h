@@ -19,6 +19,12 @@ namespace recurve::internal::surface {
 /// busy, few enough to stay in the cache (about 6 MB of fits).
 inline constexpr Index faces_per_block = 16384;
 
+struct Fit_bounds
+{
+  int degree = 2;
+  double largest_displacement = 100; ///< in sizes of the face
+};
+
 inline void add_to_report(const Face_result& result, Index face, Reconstruction_report& report)
 {
   ++report.faces;
@@ -35,12 +41,13 @@ inline void add_to_report(const Face_result& result, Index face, Reconstruction_
 
 /// fits all faces in parallel and writes the fits in the order of `faces(g)`.
 template <class Graph, class FaceFitMap, class Policies>
-Reconstruction_report fit_faces(const Graph& g, const Surface_arrays& surface, FaceFitMap fits, int degree,
-                                const Policies& policies, const Progress_callback& progress)
+Reconstruction_report fit_faces(const Graph& g, const Surface_arrays& surface, FaceFitMap fits,
+                                const Fit_bounds& bounds, const Policies& policies, const Progress_callback& progress)
 {
   constexpr auto stage = "reconstruct surface";
   using Fitter = Face_fitter<Policies>;
-  tbb::enumerable_thread_specific<Fitter> fitters([&] { return Fitter(surface, policies); });
+  tbb::enumerable_thread_specific<Fitter> fitters(
+    [&] { return Fitter(surface, policies, bounds.largest_displacement); });
   std::vector<Face_result> block(static_cast<std::size_t>(std::min(faces_per_block, surface.face_count())));
   Reconstruction_report report;
   auto face = faces(g).begin();
@@ -51,7 +58,7 @@ Reconstruction_report fit_faces(const Graph& g, const Surface_arrays& surface, F
     tbb::parallel_for(tbb::blocked_range<Index>(first, last), [&](const tbb::blocked_range<Index>& range) {
       Fitter& fitter = fitters.local();
       for (Index f = range.begin(); f < range.end(); ++f)
-        block[f - first] = fitter.fit(f, degree);
+        block[f - first] = fitter.fit(f, bounds.degree);
     });
     for (Index f = first; f < last; ++f, ++face)
     {

@@ -41,6 +41,7 @@ inline Summation faster_summation(std::size_t sources, std::size_t targets)
 /// degree of the expansions that sum fastest within an error bound (measured).
 inline int expansion_degree(double error_bound)
 {
+  if (PDEG) return PDEG;
   constexpr std::array<std::pair<double, int>, 6> table = {
     {{5e-3, 4}, {5e-4, 5}, {5e-5, 6}, {5e-6, 7}, {5e-7, 8}, {5e-8, 9}}};
   for (const auto& [bound, degree] : table)
@@ -94,8 +95,8 @@ private:
   static constexpr double smallest_error_bound = 1e-9;
 
   // Cells of targets: large enough to fill vectors and share expansions, small enough to be close together.
-  static constexpr Index target_capacity = 64;
-  static constexpr Index source_capacity = 64;
+  static constexpr Index target_capacity = TCAP;
+  static constexpr Index source_capacity = SCAP;
 
   I influence_;
   Summation_options options_;
@@ -173,7 +174,8 @@ Deformation_field<I>::Deformation_field(const Positions& positions, I influence,
              (options_.method == Summation::fast ||
               (options_.method == Summation::automatic && faster_summation(n, n) == Summation::fast));
   field_ = Source_field(std::move(sources), relative_weights(weights),
-                        is_fast_ ? expansion_degree(options_.error_bound) : -1, source_capacity);
+                        is_fast_ ? expansion_degree(options_.error_bound) : -1,
+                        is_fast_ && Fast_sum<I>::uses_floats(options_.error_bound), source_capacity);
 }
 
 template <class I>

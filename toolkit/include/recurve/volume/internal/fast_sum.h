@@ -9,6 +9,7 @@
 #include <recurve/volume/internal/source_field.h>
 #include <recurve/volume/internal/summation_kernels.h>
 
+#include <tbb/cache_aligned_allocator.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_invoke.h>
 
@@ -55,10 +56,16 @@ public:
   /// With a tolerance of this and more, rounding to single precision is a small part of it.
   static constexpr double smallest_float_tolerance = 5e-5;
 
+  /// Whether distant pairs and moments are kept in single precision.
+  static constexpr bool uses_floats(double tolerance)
+  {
+    return Summation_kernels<I>::has_floats && tolerance >= smallest_float_tolerance;
+  }
+
   /// \param tolerance  the largest error allowed, relative to the largest displacement of a source.
   Fast_sum(const Source_field& sources, const I& influence, double tolerance, const Point_tree& targets)
     : sources_(sources), targets_(targets), influence_(influence), kernels_(influence),
-      uses_floats_(Summation_kernels<I>::has_floats && tolerance >= smallest_float_tolerance),
+      uses_floats_(uses_floats(tolerance)),
       tolerance_(uses_floats_ ? tolerance - float_rounding : tolerance)
   {
   }
@@ -86,7 +93,6 @@ private:
     double lowest = 0;   ///< lower bound of the sum of all weights
     double expanded = 0; ///< lower bound of the part that is in expansions
     double error = 0;    ///< bound of the error of the sum
-    double excess = 0;   ///< part of it that is beyond the proportional half
   };
 
   /// One cell of targets, as its parent hands it down.
@@ -99,14 +105,31 @@ private:
     Account account;
   };
 
+  // Vectors are loaded at half the speed where they are not aligned.
+  template <class T>
+  using Aligned_vector = std::vector<T, tbb::cache_aligned_allocator<T>>;
+
+  /// Room for translations in one precision.
+  template <class Real>
+  struct Translation_room
+  {
+    alignas(64) Pack<Real> offsets[3], units, scales;
+    alignas(64) Pack<Real> radial[max_expansion_degree + 1];
+    alignas(64) Pack<Real> source_factors[max_expansion_degree + 1], target_factors[max_expansion_degree + 1];
+    Aligned_vector<Real> derivatives, transposed, lane_sums, zeros;
+
+    static Pack<Real>* packs(Aligned_vector<Real>& v) { return reinterpret_cast<Pack<Real>*>(v.data()); }
+  };
+
   /// Room for the work on one cell, reused from cell to cell.
   struct Scratch
   {
     std::vector<Index> stack, direct;
     std::vector<Cell> expanded;
-    std::vector<double> radial, derivatives, transposed, lane_sums, zeros;
-    std::vector<double> coordinates, sums;
-    std::vector<float> float_targets, float_sources;
+    Translation_room<double> doubles;
+    Translation_room<float> floats;
+    Aligned_vector<double> coordinates, sums;
+    Aligned_vector<float> float_targets, float_sources;
   };
 
   template <class Emit>
@@ -118,11 +141,12 @@ private:
   std::vector<Index> sort_candidates(Task& task, Scratch& scratch) const;
   void move_local(const Point& center, Task& task) const;
   void add_expanded(const Node& target, Scratch& scratch, Task& task) const;
-  void translate(const Node& target, std::span<const Cell> cells, Scratch& scratch) const;
+  template <class Real>
+  void add_expanded(const Node& target, std::span<const Cell> cells, Translation_room<Real>& room, Task& task) const;
+  template <class Real>
+  void translate(const Node& target, std::span<const Cell> cells, Translation_room<Real>& room) const;
   Index sum_direct(const Node& target, Scratch& scratch, const Sums& sums) const;
   bool is_float_safe(const Node& target, const Node& source) const;
-
-  static double (*as_packs(std::vector<double>& v))[lanes] { return reinterpret_cast<double(*)[lanes]>(v.data()); }
 
   // A subtree with fewer targets is not worth a task.
   static constexpr Index parallel_size = 2048;
@@ -131,8 +155,8 @@ private:
   static constexpr double largest_ratio = 0.75;
 
   // What the translation of one cell costs, by degree, in directly summed pairs (measured).
-  static constexpr std::array<Index, max_expansion_degree + 1> translation_cost = {40,   60,   120,  210,  400, 770,
-                                                                                   1370, 2260, 3650, 5900, 9200};
+  static constexpr std::array<Index, max_expansion_degree + 1> translation_cost = {30,  40,   60,   100,  190, 360,
+                                                                                   640, 1080, 1750, 2800, 4400};
 
   const Source_field& sources_;
   const Point_tree& targets_;
@@ -140,6 +164,7 @@ private:
   Summation_kernels<I> kernels_;
   bool uses_floats_;
   double tolerance_;
+  double worst_case_ = KAPPA;
   const Expansion_table& table_ = Expansion_table::instance();
   mutable tbb::enumerable_thread_specific<Scratch> scratch_;
 };
@@ -231,26 +256,23 @@ int Fast_sum<I>::acceptable_degree(const Node& target, Index number, Account& ac
   const double weight_of_ring = std::min(1.0, weight * influence_(squared) * cells_in_ring / account.lowest);
   const double half = tolerance_ / 4;
   const double share = part_of_ring * half * account.lowest * std::sqrt(std::sqrt(weight_of_ring)) / cells_in_ring;
-  const double allowed = half * own + std::max(0.0, std::min(share, half * account.lowest - account.excess));
+  const double left = half * (account.expanded + own + account.lowest) - account.error;
+  const double allowed = std::min(left, half * own + std::max(share, target_count > 0 ? GREED * left : 0.0));
 
-  const double mean = target.radius + sources_.mean_radius(number);
-  const auto error_at = [&](int degree) { return weight * influence_.remainder(distance, mean, radii, degree); };
+  std::array<double, max_expansion_degree + 1> errors;
   int degree = sources_.degree();
-  double error = error_at(degree);
-  if (!(error <= allowed))
+  influence_.remainders(distance, target.radius + sources_.mean_radius(number), radii,
+                        std::span(errors).first(static_cast<std::size_t>(degree) + 1));
+  const double factor = weight * worst_case_;
+  if (!(factor * errors[static_cast<std::size_t>(degree)] <= allowed))
     return -1;
-  for (; degree > 0; --degree)
-  {
-    const double next = error_at(degree - 1);
-    if (!(next <= allowed))
-      break;
-    error = next;
-  }
+  while (degree > 0 && factor * errors[static_cast<std::size_t>(degree - 1)] <= allowed)
+    --degree;
   if (target_count > 0 && target_count * source.size() <= translation_cost[static_cast<std::size_t>(degree)])
     return -1;
+  const double error = factor * errors[static_cast<std::size_t>(degree)];
   account.expanded += own;
   account.error += error;
-  account.excess += std::max(0.0, error - half * own);
   return degree;
 }
 
@@ -309,45 +331,82 @@ void Fast_sum<I>::add_expanded(const Node& target, Scratch& scratch, Task& task)
 {
   if (scratch.expanded.empty())
     return;
-  const auto values = static_cast<std::size_t>(4 * term_count(sources_.degree()));
-  const auto packs = static_cast<std::size_t>(lanes);
-  task.local.resize(values, 0.0);
-  scratch.lane_sums.assign(values * packs, 0.0);
-  scratch.transposed.resize(values * packs);
-  scratch.derivatives.resize(values / 4 * packs);
-  scratch.radial.resize((max_expansion_degree + 1) * packs);
-  scratch.zeros.assign(values, 0.0);
-
   // Cells of like degree go together; each group takes the highest of its own.
   std::ranges::stable_sort(scratch.expanded, std::ranges::greater{}, &Cell::degree);
-  for (std::size_t first = 0; first < scratch.expanded.size(); first += packs)
-    translate(target, std::span(scratch.expanded).subspan(first, std::min(packs, scratch.expanded.size() - first)),
-              scratch);
+  if (uses_floats_)
+    add_expanded(target, scratch.expanded, scratch.floats, task);
+  else
+    add_expanded(target, scratch.expanded, scratch.doubles, task);
+}
+
+template <class I>
+template <class Real>
+void Fast_sum<I>::add_expanded(const Node& target, std::span<const Cell> cells, Translation_room<Real>& room,
+                               Task& task) const
+{
+  constexpr auto n = static_cast<std::size_t>(lanes<Real>);
+  const auto values = static_cast<std::size_t>(4 * term_count(sources_.degree()));
+  room.lane_sums.assign(values * n, 0);
+  room.transposed.resize(sources_.stride() * n);
+  room.derivatives.resize(values / 4 * n);
+  room.zeros.assign(sources_.stride(), 0);
+  for (std::size_t first = 0; first < cells.size(); first += n)
+    translate(target, cells.subspan(first, std::min(n, cells.size() - first)), room);
+
+  // The lanes hold the expansion in units of the target's radius.
+  task.local.resize(values, 0.0);
+  const double inverse_unit = target.radius > 0 ? 1 / target.radius : 0;
+  double factor = 1;
+  int degree = 0;
   for (std::size_t m = 0; m < values; ++m)
-    for (std::size_t lane = 0; lane < packs; ++lane)
-      task.local[m] += scratch.lane_sums[m * packs + lane];
+  {
+    if (const int d = table_.degree(static_cast<int>(m / 4)); d != degree)
+    {
+      factor *= inverse_unit;
+      degree = d;
+    }
+    double sum = 0;
+    for (std::size_t lane = 0; lane < n; ++lane)
+      sum += static_cast<double>(room.lane_sums[m * n + lane]);
+    task.local[m] += factor * sum;
+  }
 }
 
 /// adds the expansions of up to `lanes` source cells to the lane sums.
 template <class I>
-void Fast_sum<I>::translate(const Node& target, std::span<const Cell> cells, Scratch& scratch) const
+template <class Real>
+void Fast_sum<I>::translate(const Node& target, std::span<const Cell> cells, Translation_room<Real>& room) const
 {
   const int degree = cells.front().degree;
-  double offsets[3][lanes];
-  const double* moments[lanes];
-  for (std::size_t lane = 0; lane < static_cast<std::size_t>(lanes); ++lane)
+  const Real* moments[lanes<Real>];
+  for (std::size_t lane = 0; lane < static_cast<std::size_t>(lanes<Real>); ++lane)
   {
     // An unused lane repeats the first cell, without its charges.
-    const Index node = cells[lane < cells.size() ? lane : 0].node;
-    const Point& center = sources_.tree().node(node).center;
+    const Index number = cells[lane < cells.size() ? lane : 0].node;
+    const Node& source = sources_.tree().node(number);
+    moments[lane] = lane < cells.size() ? sources_.template moments<Real>(number) : room.zeros.data();
+    // In units of the larger radius no power of a distance leaves the range of a float unless its term is negligible.
+    const double unit = target.radius > 0 || source.radius > 0 ? std::max(target.radius, source.radius) : 1;
     for (std::size_t d = 0; d < 3; ++d)
-      offsets[d][lane] = target.center[d] - center[d];
-    moments[lane] = lane < cells.size() ? sources_.moments(node) : scratch.zeros.data();
+      room.offsets[d][lane] = static_cast<Real>((target.center[d] - source.center[d]) / unit);
+    room.units[lane] = static_cast<Real>(unit);
+    const double source_ratio = sources_.moment_unit(number) / unit, target_ratio = target.radius / unit;
+    double source_factor = 1, target_factor = 1;
+    for (int k = 0; k <= degree; ++k, source_factor *= source_ratio, target_factor *= target_ratio)
+    {
+      room.source_factors[k][lane] = static_cast<Real>(source_factor);
+      room.target_factors[k][lane] = static_cast<Real>(target_factor);
+    }
   }
-  kernels_.radial_derivatives(offsets, degree, as_packs(scratch.radial));
-  kernels_.common().derivative_tensor(table_, degree, offsets, as_packs(scratch.radial), as_packs(scratch.derivatives));
-  kernels_.common().translate(table_, degree, as_packs(scratch.derivatives), moments, as_packs(scratch.transposed),
-                              as_packs(scratch.lane_sums));
+  kernels_.radial_derivatives(room.offsets, room.units, degree, room.radial, room.scales);
+  for (int k = 0; k <= degree; ++k)
+    for (int lane = 0; lane < lanes<Real>; ++lane)
+      room.target_factors[k][lane] *= room.scales[lane];
+  const Translation<Real>& kernels = kernels_.template translation<Real>();
+  const auto packs = [](Aligned_vector<Real>& v) { return Translation_room<Real>::packs(v); };
+  kernels.derivative_tensor(table_, degree, room.offsets, room.radial, packs(room.derivatives));
+  kernels.translate(table_, degree, packs(room.derivatives), moments, room.source_factors, room.target_factors,
+                    packs(room.transposed), packs(room.lane_sums));
 }
 
 /// evaluates the local expansion, adds the near sources and hands out the quotients.
@@ -357,7 +416,8 @@ Sum_tally Fast_sum<I>::finish_leaf(const Node& target, const Task& task, Scratch
 {
   const auto points = targets_.points().subspan(static_cast<std::size_t>(target.begin),
                                                 static_cast<std::size_t>(target.size()));
-  const std::size_t n = (points.size() + 2 * lanes - 1) / (2 * lanes) * (2 * lanes);
+  constexpr std::size_t group = 16; // a vector of floats or two of doubles, whatever their width
+  const std::size_t n = (points.size() + group - 1) / group * group;
   // Positions as they are, then relative to the center. What is added to fill a vector repeats the last point.
   scratch.coordinates.resize(6 * n);
   scratch.float_targets.resize(3 * n);

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <string_view>
+#include <type_traits>
 
 #if defined(__x86_64__)
   #include <immintrin.h>
@@ -16,8 +17,13 @@
 
 namespace recurve::internal {
 
-/// Source cells are expanded this many at a time, whatever the instruction set.
-inline constexpr int lanes = 8;
+/// Source cells are expanded this many at a time, whatever the instruction set: 64 bytes of numbers.
+template <class Real>
+inline constexpr int lanes = 64 / static_cast<int>(sizeof(Real));
+
+/// One number for each of them.
+template <class Real>
+using Pack = Real[lanes<Real>];
 
 /// Arrays of coordinates.
 template <class Real>
@@ -93,19 +99,26 @@ namespace avx512 {
   #pragma GCC pop_options
 #endif
 
+/// The steps of a translation, in one precision.
+template <class Real>
+struct Translation
+{
+  void (*radial_derivatives)(const Pack<Real>*, const Pack<Real>&, int, Pack<Real>*);
+  void (*derivative_tensor)(const Expansion_table&, int, const Pack<Real>*, const Pack<Real>*, Pack<Real>*);
+  void (*translate)(const Expansion_table&, int, const Pack<Real>*, const Real* const*, const Pack<Real>*,
+                    const Pack<Real>*, Pack<Real>*, Pack<Real>*);
+};
+
 /// The kernels of one instruction set, for one formula.
 struct Kernels
 {
   std::string_view name;
   void (*add_direct)(const Charges<double>&, Index, const Coordinates<double>&, Index, double, const Sums&);
   void (*add_direct_float)(const Charges<float>&, Index, const Coordinates<float>&, Index, float, const Sums&);
-  void (*radial_derivatives)(const double (*)[lanes], double, int, double (*)[lanes]);
-  void (*derivative_tensor)(const Expansion_table&, int, const double (*)[lanes], const double (*)[lanes],
-                            double (*)[lanes]);
-  void (*translate)(const Expansion_table&, int, const double (*)[lanes], const double* const*, double (*)[lanes],
-                    double (*)[lanes]);
-  void (*add_moments)(const Expansion_table&, int, const Charges<double>&, Index, double (*)[lanes], double*);
+  void (*add_moments)(const Expansion_table&, int, const Charges<double>&, Index, Pack<double>*, double*);
   void (*add_local)(const Expansion_table&, int, const double*, const Coordinates<double>&, Index, const Sums&);
+  Translation<double> doubles;
+  Translation<float> floats;
 };
 
 /// the widest kernels that this processor runs, for the influence u^A + c u^B. The environment variable RECURVE_SIMD
@@ -113,11 +126,15 @@ struct Kernels
 template <int A, int B>
 const Kernels& kernels()
 {
+#define RECURVE_TRANSLATION(set, Real)                                                                                  \
+  {                                                                                                                    \
+    &set::radial_derivatives<A, B, Real>, &set::derivative_tensor<Real>, &set::translate<Real>                         \
+  }
 #define RECURVE_KERNELS(set)                                                                                           \
   Kernels                                                                                                              \
   {                                                                                                                    \
-    #set, &set::add_direct<A, B>, &set::add_direct<A, B>, &set::radial_derivatives<A, B>, &set::derivative_tensor,     \
-      &set::translate, &set::add_moments, &set::add_local                                                              \
+    #set, &set::add_direct<A, B>, &set::add_direct<A, B>, &set::add_moments, &set::add_local,                          \
+      RECURVE_TRANSLATION(set, double), RECURVE_TRANSLATION(set, float)                                                \
   }
   static const Kernels chosen = [] {
 #ifdef RECURVE_HAS_SIMD_DISPATCH
@@ -132,6 +149,7 @@ const Kernels& kernels()
     return RECURVE_KERNELS(baseline);
   }();
 #undef RECURVE_KERNELS
+#undef RECURVE_TRANSLATION
   return chosen;
 }
 

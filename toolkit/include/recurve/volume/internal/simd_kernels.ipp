@@ -3,7 +3,6 @@
 // that does not depend on the width, so that every instruction set gives the same bits.
 
 inline constexpr int width = RECURVE_SIMD_WIDTH;
-inline constexpr int vectors = lanes / width; // to a pack of `lanes` doubles
 
 typedef double Reals __attribute__((vector_size(width * sizeof(double)), aligned(sizeof(double)), may_alias));
 typedef float Floats __attribute__((vector_size(width * sizeof(double)), aligned(sizeof(float)), may_alias));
@@ -132,78 +131,166 @@ void add_direct(const Charges<float>& s, Index source_count, const Coordinates<f
   }
 }
 
-/// radial[m][lane] = (2 d/dq)^m (q^(-A/2) + near_factor q^(-B/2)) at the squared lengths of the offsets.
-template <int A, int B>
-void radial_derivatives(const double (*offsets)[lanes], double near_factor, int degree, double (*radial)[lanes])
+/// The vector of Reals.
+template <class Real>
+struct Vector_of
 {
-  for (int v = 0; v < vectors; ++v)
+  typedef Real type __attribute__((vector_size(width * sizeof(double)), aligned(sizeof(Real)), may_alias));
+  static constexpr int size = width * static_cast<int>(sizeof(double) / sizeof(Real));
+};
+
+template <class Real>
+static inline typename Vector_of<Real>::type& vector_at(Real* p)
+{
+  return *reinterpret_cast<typename Vector_of<Real>::type*>(p);
+}
+template <class Real>
+static inline const typename Vector_of<Real>::type& vector_at(const Real* p)
+{
+  return *reinterpret_cast<const typename Vector_of<Real>::type*>(p);
+}
+
+/// radial[m][lane] = (2 d/dq)^m (q^(-A/2) + near_factors[lane] q^(-B/2)) at the squared lengths of the offsets.
+template <int A, int B, class Real>
+void radial_derivatives(const Pack<Real>* offsets, const Pack<Real>& near_factors, int degree, Pack<Real>* radial)
+{
+  for (int at = 0; at < lanes<Real>; at += Vector_of<Real>::size)
   {
-    const Reals x = reals(offsets[0] + v * width), y = reals(offsets[1] + v * width), z = reals(offsets[2] + v * width);
-    const Reals q = x * x + y * y + z * z;
-    const Reals r = root(q), u2 = 1 / q;
-    Reals far = 1 / power<A>(q, r), near = near_factor / power<B>(q, r);
+    const auto x = vector_at(offsets[0] + at), y = vector_at(offsets[1] + at), z = vector_at(offsets[2] + at);
+    const auto q = x * x + y * y + z * z;
+    const auto r = root(q), u2 = 1 / q;
+    auto far = 1 / power<A>(q, r), near = vector_at(near_factors + at) / power<B>(q, r);
     for (int m = 0; m <= degree; ++m)
     {
-      reals(radial[m] + v * width) = far + near;
-      far = far * u2 * -(A + 2.0 * m);
-      near = near * u2 * -(B + 2.0 * m);
+      vector_at(radial[m] + at) = far + near;
+      far = far * u2 * static_cast<Real>(-(A + 2 * m));
+      near = near * u2 * static_cast<Real>(-(B + 2 * m));
     }
   }
 }
 
-/// all derivatives up to `degree` of a radial function at `lanes` offsets: derivatives[term][lane].
-inline void derivative_tensor(const Expansion_table& table, int degree, const double (*offsets)[lanes],
-                              const double (*radial)[lanes], double (*derivatives)[lanes])
+/// all derivatives up to `degree` of a radial function at the offsets: derivatives[term][lane].
+template <class Real>
+void derivative_tensor(const Expansion_table& table, int degree, const Pack<Real>* offsets, const Pack<Real>* radial,
+                       Pack<Real>* derivatives)
 {
-  for (int v = 0; v < vectors; ++v)
+  for (int at = 0; at < lanes<Real>; at += Vector_of<Real>::size)
   {
-    const int at = v * width;
-    reals(derivatives[0] + at) = reals(radial[degree] + at);
+    vector_at(derivatives[0] + at) = vector_at(radial[degree] + at);
     // From those of the m+1st radial derivative follow, in place and from the highest degree down, those of the m-th.
     for (int m = degree - 1; m >= 0; --m)
     {
       for (int g = term_count(degree - m) - 1; g > 0; --g)
       {
         const Expansion_table::Recurrence& r = table.recurrence(g);
-        Reals value = reals(offsets[r.axis] + at) * reals(derivatives[r.parent] + at);
+        auto value = vector_at(offsets[r.axis] + at) * vector_at(derivatives[r.parent] + at);
         if (r.grandparent >= 0)
-          value += static_cast<double>(r.power) * reals(derivatives[r.grandparent] + at);
-        reals(derivatives[g] + at) = value;
+          value += static_cast<Real>(r.power) * vector_at(derivatives[r.grandparent] + at);
+        vector_at(derivatives[g] + at) = value;
       }
-      reals(derivatives[0] + at) = reals(radial[m] + at);
+      vector_at(derivatives[0] + at) = vector_at(radial[m] + at);
     }
   }
 }
 
-/// local[4 b + c][lane] += sum over a of moments[lane][4 a + c] derivatives[a b][lane]
-inline void translate(const Expansion_table& table, int degree, const double (*derivatives)[lanes],
-                      const double* const* moments, double (*transposed)[lanes], double (*local)[lanes])
+/// columns[m][lane] = rows[lane][m] for m < count, a multiple of 16.
+template <class Real>
+void transpose(const Real* const* rows, int count, Pack<Real>* columns)
+{
+  using Vector = typename Vector_of<Real>::type;
+  constexpr int n = Vector_of<Real>::size;
+  typedef std::conditional_t<sizeof(Real) == 4, std::int32_t, std::int64_t> Int;
+  typedef Int Mask __attribute__((vector_size(width * sizeof(double))));
+  Mask low, high;
+  for (int i = 0; i < n; ++i)
+  {
+    low[i] = i / 2 + i % 2 * n;
+    high[i] = low[i] + n / 2;
+  }
+  for (int at = 0; at < lanes<Real>; at += n)
+    for (int m = 0; m < count; m += n)
+    {
+      // Interleaving the first half of the rows with the second transposes them when it is done log2(n) times.
+      Vector block[n], next[n];
+#pragma GCC unroll 16
+      for (int i = 0; i < n; ++i)
+        block[i] = vector_at(rows[at + i] + m);
+#pragma GCC unroll 4
+      for (int step = 1; step < n; step *= 2)
+      {
+#pragma GCC unroll 8
+        for (int i = 0; i < n / 2; ++i)
+        {
+          next[2 * i] = __builtin_shuffle(block[i], block[i + n / 2], low);
+          next[2 * i + 1] = __builtin_shuffle(block[i], block[i + n / 2], high);
+        }
+#pragma GCC unroll 16
+        for (int i = 0; i < n; ++i)
+          block[i] = next[i];
+      }
+#pragma GCC unroll 16
+      for (int i = 0; i < n; ++i)
+        vector_at(columns[m + i] + at) = block[i];
+    }
+}
+
+/// local[4 b + c] += factors * sum over a of moments[4 a + c] derivatives[a b], for `N` successive b of one degree.
+template <int N, class Real>
+static inline void contract(const Expansion_table& table, int b, int end, int at, const Pack<Real>* derivatives,
+                            const Pack<Real>* moments, const Real* factors, Pack<Real>* local)
+{
+  using Vector = typename Vector_of<Real>::type;
+  Vector sums[N][4] = {};
+  const std::int16_t* products[N];
+#pragma GCC unroll 2
+  for (int n = 0; n < N; ++n)
+    products[n] = table.products(b + n);
+  for (int a = 0; a < end; ++a)
+  {
+    Vector d[N];
+#pragma GCC unroll 2
+    for (int n = 0; n < N; ++n)
+      d[n] = vector_at(derivatives[products[n][a]] + at);
+#pragma GCC unroll 4
+    for (int c = 0; c < 4; ++c)
+    {
+      const Vector m = vector_at(moments[4 * a + c] + at);
+  #pragma GCC unroll 2
+    for (int n = 0; n < N; ++n)
+        sums[n][c] += m * d[n];
+    }
+  }
+#pragma GCC unroll 2
+  for (int n = 0; n < N; ++n)
+#pragma GCC unroll 4
+    for (int c = 0; c < 4; ++c)
+      vector_at(local[4 * (b + n) + c] + at) += vector_at(factors + at) * sums[n][c];
+}
+
+/// adds, lane by lane, the expansion of a source cell to the local expansion of the target cell:
+/// local[4 b + c][lane] += target_factors[degree of b][lane] * sum over a of source_factors[degree of a][lane]
+/// moments[lane][4 a + c] derivatives[a b][lane].
+template <class Real>
+void translate(const Expansion_table& table, int degree, const Pack<Real>* derivatives, const Real* const* moments,
+               const Pack<Real>* source_factors, const Pack<Real>* target_factors, Pack<Real>* transposed,
+               Pack<Real>* local)
 {
   const int terms = term_count(degree);
-  for (int m = 0; m < 4 * terms; ++m)
-    for (int lane = 0; lane < lanes; ++lane)
-      transposed[m][lane] = moments[lane][m];
-  for (int v = 0; v < vectors; ++v)
+  transpose(moments, (4 * terms + 15) / 16 * 16, transposed);
+  for (int at = 0; at < lanes<Real>; at += Vector_of<Real>::size)
   {
-    const int at = v * width;
-    for (int b = 0; b < terms; ++b)
+    for (int a = 1; a < terms; ++a)
+      for (int c = 0; c < 4; ++c)
+        vector_at(transposed[4 * a + c] + at) *= vector_at(source_factors[table.degree(a)] + at);
+    for (int b = 0; b < terms;)
     {
-      const std::int16_t* product = table.products(b);
-      const int end = term_count(degree - table.degree(b));
-      Reals s0 = reals(local[4 * b] + at), s1 = reals(local[4 * b + 1] + at), s2 = reals(local[4 * b + 2] + at),
-            s3 = reals(local[4 * b + 3] + at);
-      for (int a = 0; a < end; ++a)
-      {
-        const Reals d = reals(derivatives[product[a]] + at);
-        s0 += reals(transposed[4 * a] + at) * d;
-        s1 += reals(transposed[4 * a + 1] + at) * d;
-        s2 += reals(transposed[4 * a + 2] + at) * d;
-        s3 += reals(transposed[4 * a + 3] + at) * d;
-      }
-      reals(local[4 * b] + at) = s0;
-      reals(local[4 * b + 1] + at) = s1;
-      reals(local[4 * b + 2] + at) = s2;
-      reals(local[4 * b + 3] + at) = s3;
+      const int d = table.degree(b), end = term_count(degree - d);
+      const bool is_pair = b + 1 < terms && table.degree(b + 1) == d;
+      if (is_pair)
+        contract<2>(table, b, end, at, derivatives, transposed, target_factors[d], local);
+      else
+        contract<1>(table, b, end, at, derivatives, transposed, target_factors[d], local);
+      b += is_pair ? 2 : 1;
     }
   }
 }
@@ -219,19 +306,19 @@ static inline void scaled_monomials(const Expansion_table& table, int degree, co
   }
 }
 
-/// moments[4 a + c] += sum over sources of charge c times (-position)^a / a!; `source_count` is a multiple of `lanes`,
+/// moments[4 a + c] += sum over sources of charge c times (-position)^a / a!; `source_count` is a multiple of lanes<double>,
 /// positions are relative to the center, `lane_sums` is room for 4 term_count(degree) packs.
 inline void add_moments(const Expansion_table& table, int degree, const Charges<double>& s, Index source_count,
-                        double (*lane_sums)[lanes], double* moments)
+                        Pack<double>* lane_sums, double* moments)
 {
   const int terms = term_count(degree);
   for (int m = 0; m < 4 * terms; ++m)
-    for (int lane = 0; lane < lanes; ++lane)
+    for (int lane = 0; lane < lanes<double>; ++lane)
       lane_sums[m][lane] = 0;
   Reals monomials[max_term_count];
   for (Index first = 0; first < source_count; first += width)
   {
-    const int at = static_cast<int>(first % lanes);
+    const int at = static_cast<int>(first % lanes<double>);
     const Reals x[3] = {-reals(s.x + first), -reals(s.y + first), -reals(s.z + first)};
     scaled_monomials(table, degree, x, monomials);
     for (int a = 0; a < terms; ++a)
@@ -243,7 +330,7 @@ inline void add_moments(const Expansion_table& table, int degree, const Charges<
     }
   }
   for (int m = 0; m < 4 * terms; ++m)
-    for (int lane = 0; lane < lanes; ++lane)
+    for (int lane = 0; lane < lanes<double>; ++lane)
       moments[m] += lane_sums[m][lane];
 }
 

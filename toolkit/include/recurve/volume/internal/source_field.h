@@ -12,6 +12,7 @@
 #include <array>
 #include <cmath>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 namespace recurve::internal {
@@ -24,8 +25,9 @@ public:
   Source_field() = default;
 
   /// sorts the sources. \param weights  one per source, or empty: all 1. \param degree  of the expansions; -1: there are
-  /// none, and the sources stay in their order in one leaf.
-  Source_field(std::vector<Numbered_point> sources, std::span<const double> weights, int degree, Index leaf_capacity);
+  /// none, and the sources stay in their order. \param keeps_floats  whether moments are kept in single precision.
+  Source_field(std::vector<Numbered_point> sources, std::span<const double> weights, int degree, bool keeps_floats,
+               Index leaf_capacity);
 
   /// takes displacements, by the caller's numbers, already scaled.
   template <class Displacement_of>
@@ -39,10 +41,25 @@ public:
   /// mean of order degree + 1 of the distances of the node's sources from its center.
   double mean_radius(Index node) const { return summaries_[static_cast<std::size_t>(node)].mean_radius; }
 
-  const double* moments(Index node) const
+  /// moments of the four charges of a node: term_count(degree) times four numbers, then zeros up to `stride()`; those of
+  /// degree k divided by `moment_unit(node)`^k.
+  template <class Real>
+  const Real* moments(Index node) const
   {
-    return moments_.data() + static_cast<std::size_t>(node) * static_cast<std::size_t>(4 * term_count(degree_));
+    const std::size_t at = static_cast<std::size_t>(node) * stride();
+    if constexpr (std::is_same_v<Real, float>)
+      return float_moments_.data() + at;
+    else
+      return moments_.data() + at;
   }
+
+  double moment_unit(Index node) const
+  {
+    const double radius = tree_.node(node).radius;
+    return radius > 0 ? radius : 1;
+  }
+
+  std::size_t stride() const { return (4 * static_cast<std::size_t>(term_count(degree_)) + 15) / 16 * 16; }
 
   Point position(Index m) const
   {
@@ -60,7 +77,7 @@ public:
 
   std::size_t bytes() const
   {
-    return tree_.bytes() + 8 * (7 * weight_.size() + numbers_.size() + moments_.size()) +
+    return tree_.bytes() + 8 * (7 * weight_.size() + numbers_.size() + moments_.size()) + 4 * float_moments_.size() +
            summaries_.size() * sizeof(Summary);
   }
 
@@ -71,9 +88,10 @@ private:
   };
 
   void summarize(Index node);
-  void expand(Index node);
-  void expand_leaf(Index node, double* moments) const;
-  void add_child_moments(Index node, Index child, double* moments) const;
+  std::vector<double> expand(Index node);
+  void add_leaf_moments(Index node, std::span<double> moments) const;
+  void add_child_moments(Index node, Index child, std::span<const double> given, std::span<double> moments) const;
+  void keep(Index node, std::span<const double> moments);
 
   static constexpr Index parallel_size = 4096; // sources of a subtree that is worth a task
 
@@ -82,12 +100,14 @@ private:
   std::vector<Index> numbers_;
   std::vector<double> x_, y_, z_, weight_, weighted_x_, weighted_y_, weighted_z_;
   std::vector<Summary> summaries_;
+  bool keeps_floats_ = false;
   std::vector<double> moments_;
+  std::vector<float> float_moments_;
 };
 
 inline Source_field::Source_field(std::vector<Numbered_point> sources, std::span<const double> weights, int degree,
-                                  Index leaf_capacity)
-  : degree_(degree)
+                                  bool keeps_floats, Index leaf_capacity)
+  : degree_(degree), keeps_floats_(keeps_floats)
 {
   const std::size_t n = sources.size();
   if (degree >= 0)
@@ -151,43 +171,68 @@ void Source_field::set_displacements(const Displacement_of& displacement)
   });
   if (tree_.node_count() == 0)
     return;
-  moments_.assign(static_cast<std::size_t>(tree_.node_count()) * static_cast<std::size_t>(4 * term_count(degree_)), 0);
+  const std::size_t size = static_cast<std::size_t>(tree_.node_count()) * stride();
+  if (keeps_floats_)
+    float_moments_.resize(size);
+  else
+    moments_.resize(size);
   expand(0);
 }
 
-/// computes the moments of a node and of all below it.
-inline void Source_field::expand(Index number)
+/// computes and keeps the moments of a node and of all below it.
+inline std::vector<double> Source_field::expand(Index number)
 {
-  double* moments =
-    moments_.data() + static_cast<std::size_t>(number) * static_cast<std::size_t>(4 * term_count(degree_));
+  std::vector<double> moments(static_cast<std::size_t>(4 * term_count(degree_)), 0.0);
   if (tree_.is_leaf(number))
-  {
-    expand_leaf(number, moments);
-    return;
-  }
-  const auto left = [&] { expand(2 * number + 1); };
-  const auto right = [&] { expand(2 * number + 2); };
-  if (tree_.node(number).size() >= parallel_size)
-    tbb::parallel_invoke(left, right);
+    add_leaf_moments(number, moments);
   else
   {
-    left();
-    right();
+    std::array<std::vector<double>, 2> below;
+    const auto left = [&] { below[0] = expand(2 * number + 1); };
+    const auto right = [&] { below[1] = expand(2 * number + 2); };
+    if (tree_.node(number).size() >= parallel_size)
+      tbb::parallel_invoke(left, right);
+    else
+    {
+      left();
+      right();
+    }
+    add_child_moments(number, 2 * number + 1, below[0], moments);
+    add_child_moments(number, 2 * number + 2, below[1], moments);
   }
-  add_child_moments(number, 2 * number + 1, moments);
-  add_child_moments(number, 2 * number + 2, moments);
+  keep(number, moments);
+  return moments;
 }
 
-inline void Source_field::expand_leaf(Index number, double* moments) const
+inline void Source_field::keep(Index number, std::span<const double> moments)
+{
+  const Expansion_table& table = Expansion_table::instance();
+  const double inverse_unit = 1 / moment_unit(number);
+  std::array<double, max_expansion_degree + 1> factors;
+  factors[0] = 1;
+  for (std::size_t k = 1; k < factors.size(); ++k)
+    factors[k] = factors[k - 1] * inverse_unit;
+  const std::size_t at = static_cast<std::size_t>(number) * stride();
+  for (std::size_t m = 0; m < moments.size(); ++m)
+  {
+    const double value = moments[m] * factors[static_cast<std::size_t>(table.degree(static_cast<int>(m / 4)))];
+    if (keeps_floats_)
+      float_moments_[at + m] = static_cast<float>(value);
+    else
+      moments_[at + m] = value;
+  }
+}
+
+inline void Source_field::add_leaf_moments(Index number, std::span<double> moments) const
 {
   const Point_tree::Node& node = tree_.node(number);
-  constexpr Index block = 64; // sources at a time; a multiple of `lanes`
+  constexpr Index block = 64; // sources at a time; a multiple of lanes<double>
   std::array<std::array<double, block>, 7> buffer;
-  std::vector<double> lane_sums(static_cast<std::size_t>(4 * term_count(degree_) * lanes));
+  std::vector<double> lane_sums(static_cast<std::size_t>(4 * term_count(degree_) * lanes<double>));
   for (Index first = node.begin; first < node.end; first += block)
   {
     const Index count = std::min(block, node.end - first);
-    const Index padded = (count + lanes - 1) / lanes * lanes;
+    const Index padded = (count + lanes<double> - 1) / lanes<double> * lanes<double>;
     const Charges<double> s = charges(first);
     const std::array<const double*, 7> arrays = {s.x,          s.y,          s.z,         s.weight,
                                                  s.weighted_x, s.weighted_y, s.weighted_z};
@@ -197,7 +242,7 @@ inline void Source_field::expand_leaf(Index number, double* moments) const
     kernels<3, 5>().add_moments(Expansion_table::instance(), degree_,
                                 {buffer[0].data(), buffer[1].data(), buffer[2].data(), buffer[3].data(),
                                  buffer[4].data(), buffer[5].data(), buffer[6].data()},
-                                padded, reinterpret_cast<double(*)[lanes]>(lane_sums.data()), moments);
+                                padded, reinterpret_cast<Pack<double>*>(lane_sums.data()), moments.data());
   }
 }
 
@@ -218,19 +263,19 @@ inline std::array<double, max_term_count> scaled_monomials(const Point& x, int d
 }
 
 /// adds the moments of a child, moved to the center of its parent.
-inline void Source_field::add_child_moments(Index number, Index child, double* moments) const
+inline void Source_field::add_child_moments(Index number, Index child, std::span<const double> given,
+                                            std::span<double> moments) const
 {
   const Expansion_table& table = Expansion_table::instance();
   const Point &to = tree_.node(number).center, &from = tree_.node(child).center;
   const auto shift = scaled_monomials({to[0] - from[0], to[1] - from[1], to[2] - from[2]}, degree_);
-  const double* given = this->moments(child);
   for (int b = 0; b < term_count(degree_); ++b)
   {
     const std::int16_t* product = table.products(b);
     const double factor = shift[static_cast<std::size_t>(b)];
     for (int a = 0; a < term_count(degree_ - table.degree(b)); ++a)
-      for (int c = 0; c < 4; ++c)
-        moments[4 * product[a] + c] += factor * given[4 * a + c];
+      for (std::size_t c = 0; c < 4; ++c)
+        moments[static_cast<std::size_t>(4 * product[a]) + c] += factor * given[static_cast<std::size_t>(4 * a) + c];
   }
 }
 

@@ -8,6 +8,7 @@
 #include <array>
 #include <span>
 #include <string_view>
+#include <type_traits>
 
 namespace recurve::internal {
 
@@ -45,16 +46,29 @@ public:
     }
   }
 
-  void radial_derivatives(const double (*offsets)[lanes], int degree, double (*radial)[lanes]) const
+  /// radial[m][lane] = (2 d/dq)^m of the weight at offsets[.][lane], where lengths are in units of unit[lane]; and
+  /// scales[lane], by which it has still to be multiplied.
+  void radial_derivatives(const Pack<double>* offsets, const Pack<double>& units, int degree, Pack<double>* radial,
+                          Pack<double>& scales) const
   {
     std::array<double, max_expansion_degree + 1> values;
-    for (int lane = 0; lane < lanes; ++lane)
+    for (int lane = 0; lane < lanes<double>; ++lane)
     {
       const double x = offsets[0][lane], y = offsets[1][lane], z = offsets[2][lane];
-      influence_.derivatives(x * x + y * y + z * z, std::span(values).first(static_cast<std::size_t>(degree) + 1));
-      for (int m = 0; m <= degree; ++m)
-        radial[m][lane] = values[static_cast<std::size_t>(m)];
+      const double unit_squared = units[lane] * units[lane];
+      influence_.derivatives((x * x + y * y + z * z) * unit_squared,
+                             std::span(values).first(static_cast<std::size_t>(degree) + 1));
+      double factor = 1;
+      for (int m = 0; m <= degree; ++m, factor *= unit_squared)
+        radial[m][lane] = values[static_cast<std::size_t>(m)] * factor;
+      scales[lane] = 1;
     }
+  }
+
+  template <class Real>
+  const Translation<Real>& translation() const
+  {
+    return common_.doubles;
   }
 
   const Kernels& common() const { return common_; }
@@ -90,14 +104,42 @@ public:
     common_.add_direct_float(s, source_count, targets, target_count, static_cast<float>(near_factor_), sums);
   }
 
-  void radial_derivatives(const double (*offsets)[lanes], int degree, double (*radial)[lanes]) const
+  template <class Real>
+  void radial_derivatives(const Pack<Real>* offsets, const Pack<Real>& units, int degree, Pack<Real>* radial,
+                          Pack<Real>& scales) const
   {
-    common_.radial_derivatives(offsets, near_factor_, degree, radial);
+    // (unit r)^-A + c (unit r)^-B = unit^-A (r^-A + c unit^(A-B) r^-B)
+    alignas(64) Pack<Real> near_factors;
+    for (int lane = 0; lane < lanes<Real>; ++lane)
+    {
+      scales[lane] = integer_power(1 / units[lane], A);
+      near_factors[lane] = static_cast<Real>(near_factor_) *
+                           (A < B ? integer_power(1 / units[lane], B - A) : integer_power(units[lane], A - B));
+    }
+    translation<Real>().radial_derivatives(offsets, near_factors, degree, radial);
+  }
+
+  template <class Real>
+  const Translation<Real>& translation() const
+  {
+    if constexpr (std::is_same_v<Real, float>)
+      return common_.floats;
+    else
+      return common_.doubles;
   }
 
   const Kernels& common() const { return common_; }
 
 private:
+  template <class Real>
+  static Real integer_power(Real x, int n)
+  {
+    Real result = 1;
+    for (; n > 0; --n)
+      result *= x;
+    return result;
+  }
+
   double near_factor_;
   const Kernels& common_;
 };
