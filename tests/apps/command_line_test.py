@@ -295,6 +295,15 @@ class Command_line(unittest.TestCase):
             self.assertEqual(message.count("\n"), 1)
             self.assertTrue(message.startswith("recurve: interrupted"), message)
             self.assertEqual(self.files(), ["shell.cgns"])
+            # A second Ctrl-C does not wait for the next step.
+            run = subprocess.Popen(arguments, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+            time.sleep(part * whole)
+            run.send_signal(signal.SIGINT)
+            time.sleep(0.001)
+            run.send_signal(signal.SIGINT)
+            run.communicate(timeout=300)
+            self.assertEqual(run.returncode, INTERRUPTED)
+            self.assertEqual(self.files(), ["shell.cgns"])
 
 
 if __name__ == "__main__":

@@ -5,9 +5,12 @@
 #include <recurve/mesh/curved_mesh.h>
 #include <recurve/mesh/join_zones.h>
 
+#include <exception>
 #include <filesystem>
+#include <iostream>
 
 int main(int argc, char** argv)
+try
 {
   using namespace recurve;
   if (argc != 2)
@@ -21,4 +24,9 @@ int main(int argc, char** argv)
   };
   write({4, 2, Element_type::hexahedron, test::Outer_shape::box}, "shell.cgns");
   write({30, 10, Element_type::tetrahedron, test::Outer_shape::sphere}, "large.cgns");
+}
+catch (const std::exception& error)
+{
+  std::cerr << error.what() << '\n';
+  return 1;
 }

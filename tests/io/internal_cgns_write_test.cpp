@@ -40,7 +40,7 @@ TEST_CASE("write_cgns splits sections that 32-bit sizes do not hold, and patches
   mesh.zones = {curved};
 
   const Temporary_folder folder;
-  internal::write_cgns_within(mesh, folder / "mesh.cgns", {}, {.section_entries = 17, .piece = 5});
+  internal::cgns::write_cgns_within(mesh, folder / "mesh.cgns", {}, {.section_entries = 17, .piece = 5});
   const Zone found = read_cgns(folder / "mesh.cgns").zones.at(0);
   CHECK(found.points == zone.points);
   REQUIRE(found.cells.size() == 3);
@@ -64,7 +64,7 @@ TEST_CASE("write_cgns splits sections that 32-bit sizes do not hold, and patches
 
 TEST_CASE("names of CGNS nodes are short, without slash and different")
 {
-  internal::Cgns_names names = {"taken"};
+  internal::cgns::Cgns_names names = {"taken"};
   CHECK(names.take("free") == "free");
   CHECK(names.take("free") == "free_2");
   CHECK(names.take("free_2") == "free_2_2");
@@ -75,6 +75,6 @@ TEST_CASE("names of CGNS nodes are short, without slash and different")
   const std::string longest(32, 'x');
   CHECK(names.take(longest + "tail") == longest);
   CHECK(names.take(longest) == longest.substr(0, 30) + "_2");
-  CHECK(internal::cut_name("aäb", 2) == "a");
-  CHECK(internal::cut_name("aäb", 3) == "aä");
+  CHECK(internal::cgns::cut_name("aäb", 2) == "a");
+  CHECK(internal::cgns::cut_name("aäb", 3) == "aä");
 }

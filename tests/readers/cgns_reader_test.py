@@ -3,7 +3,7 @@
 
 - one curved cell of each type and degree: element type, and every node at its place in the order of the SIDS;
 - meshes (small ones of data/, and those of others where they are): what recurve read against what h5py finds in the
-  file, and the meshes that recurve wrote at degree 1 to 4 against the mesh that it read.
+  file, and the meshes that recurve wrote at degree 1 to 4 (large ones 2 and 3) against the mesh that it read.
 
 usage: cgns_reader_test.py WRITE_CGNS_SAMPLES FOLDER SOURCE [MESH.cgns or folder ...]
 SOURCE is the source tree. Without meshes: those of its data/, and those of others in the folder that the environment
@@ -274,9 +274,9 @@ def main():
             continue
         line = json.loads(done.stdout)
         zones = check_against_input(line)
-        for degree, output in enumerate(line["outputs"], 1):
+        for degree, output in line["outputs"].items():
             run_cgnscheck(output)
-            check_output(line, output, degree, zones)
+            check_output(line, output, int(degree), zones)
             os.remove(output)
         print("checked", mesh)
     print(f"{len(failures)} failures, {4 * len(CELLS)} cells and {len(meshes)} meshes checked")

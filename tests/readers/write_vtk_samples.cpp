@@ -3,10 +3,13 @@
 
 #include <recurve/io/vtk.h>
 
+#include <exception>
 #include <filesystem>
+#include <iostream>
 #include <string>
 
 int main(int argc, char** argv)
+try
 {
   using namespace recurve;
   if (argc != 2)
@@ -17,4 +20,9 @@ int main(int argc, char** argv)
     for (int degree = 1; degree <= max_degree && reference_element(type).dimension == 3; ++degree)
       write_vtu(test::single_cell_mesh(type, degree),
                 folder / (std::string(element_name(type)) + "_" + std::to_string(degree) + ".vtu"), {{"seven", {7.0}}});
+}
+catch (const std::exception& error)
+{
+  std::cerr << error.what() << '\n';
+  return 1;
 }

@@ -65,14 +65,15 @@ Volume_mesh random_box(int n, Element_type type, unsigned seed)
 {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> step(0.3, 1.0);
+  const Index planes_per_axis = n + 1;
   std::array<std::vector<double>, 3> planes;
   for (auto& axis : planes)
   {
-    axis.resize(static_cast<std::size_t>(n + 1));
+    axis.resize(static_cast<std::size_t>(planes_per_axis));
     std::generate(axis.begin(), axis.end(), [&, x = 0.1]() mutable { return x += step(random); });
   }
-  const auto number = [n](std::array<int, 3> lattice) {
-    return static_cast<Index>((lattice[2] * (n + 1) + lattice[1]) * (n + 1) + lattice[0]);
+  const auto number = [planes_per_axis](const std::array<int, 3>& lattice) {
+    return (lattice[2] * planes_per_axis + lattice[1]) * planes_per_axis + lattice[0];
   };
   Zone zone;
   zone.name = "box";

@@ -161,6 +161,7 @@ std::string describe_lowerings(const Reconstruction_report& fits)
   for (const Lowering& lowering : fits.lowerings)
     ++reasons[lowering_reason_name(lowering.reason)];
   std::vector<std::string> parts;
+  parts.reserve(reasons.size());
   for (const auto& [reason, count] : reasons)
     parts.push_back(fmt::format("{} {}", reason, grouped(count)));
   return parts.empty() ? "none at a lower degree"

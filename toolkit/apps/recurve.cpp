@@ -11,7 +11,12 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
 #include <csignal>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <new>
@@ -40,22 +45,40 @@ public:
 
 volatile std::sig_atomic_t is_interrupted = 0;
 
+/// Names of the unfinished files, for a handler that may call next to nothing. Empty: none.
+std::array<std::array<char, 4096>, 2> unfinished_files = {};
+
 void interrupt(int)
 {
-  is_interrupted = 1;
+  if (is_interrupted == 0)
+  {
+    is_interrupted = 1;
+    return;
+  }
+  for (const auto& file : unfinished_files)
+    if (file[0] != '\0')
+      unlink(file.data());
+  _exit(exit_cancelled);
 }
 
-/// lets Ctrl-C, kill and a closed terminal end the work between two steps, so that no half file is left; a second
-/// signal ends it at once.
+/// lets Ctrl-C, kill and a closed terminal end the work at its next step, so that no half file is left; a second signal
+/// ends it at once.
 void catch_signals()
 {
   struct sigaction action = {};
   action.sa_handler = interrupt;
-  action.sa_flags = static_cast<int>(SA_RESETHAND);
   for (int signal : {SIGINT, SIGTERM, SIGHUP})
     sigaction(signal, &action, nullptr);
   // A write beyond a file size limit then fails like one on a full disk, with a message.
   std::signal(SIGXFSZ, SIG_IGN);
+}
+
+/// tells the handler of the file in `slot`.
+void remember_unfinished(std::size_t slot, const fs::path& file)
+{
+  const std::string name = file.string();
+  if (name.size() < unfinished_files[slot].size())
+    std::copy(name.begin(), name.end(), unfinished_files[slot].begin());
 }
 
 struct Curve_command
@@ -143,8 +166,12 @@ class Results
 public:
   explicit Results(const Curve_command& command) : mesh_(command.output), report_path_(command.report)
   {
+    remember_unfinished(0, mesh_.path());
     if (!report_path_.empty() && !is_stream(report_path_))
+    {
       report_.emplace(report_path_);
+      remember_unfinished(1, report_->path());
+    }
   }
 
   recurve::Pending_file& mesh() { return mesh_; }

@@ -12,6 +12,7 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <exception>
 #include <filesystem>
 
 namespace {
@@ -54,6 +55,7 @@ Curving_report convert(const fs::path& input, const fs::path& output, int degree
 } // namespace
 
 int main(int argc, char** argv)
+try
 {
   const int cells_per_side = argc > 1 ? std::atoi(argv[1]) : 60;
   const int layers = argc > 2 ? std::atoi(argv[2]) : 8;
@@ -77,4 +79,9 @@ int main(int argc, char** argv)
   std::printf("  peak memory %.0f MiB, %.0f bytes/cell\n", static_cast<double>(report.peak_memory_bytes) / 1048576,
               static_cast<double>(report.peak_memory_bytes) / cells);
   fs::remove_all(folder);
+}
+catch (const std::exception& error)
+{
+  std::fprintf(stderr, "curve_mesh_benchmark: %s\n", error.what());
+  return 1;
 }

@@ -56,6 +56,8 @@ void Binary_output::flush()
 {
   write(buffer_.data(), buffer_.size());
   buffer_.clear();
+  if (after_write_)
+    after_write_();
 }
 
 void Binary_output::write(const std::byte* bytes, std::size_t count)

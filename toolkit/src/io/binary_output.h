@@ -8,7 +8,9 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <functional>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace recurve {
@@ -37,7 +39,11 @@ public:
     put_bytes(bytes, sizeof(Number));
   }
 
+  /// bytes put so far.
   std::uint64_t size() const { return size_; }
+
+  /// calls `function` now and then, after about every MiB.
+  void call_after_writes(std::function<void()> function) { after_write_ = std::move(function); }
 
   /// brings everything to the disk; a full disk shows here at the latest.
   void close();
@@ -62,6 +68,7 @@ private:
   std::FILE* file_ = nullptr;
   std::vector<std::byte> buffer_;
   std::uint64_t size_ = 0;
+  std::function<void()> after_write_;
 };
 
 } // namespace recurve

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace recurve::internal {
+namespace recurve::internal::cgns {
 
 namespace {
 
@@ -112,4 +112,4 @@ void read_coordinates(Cgns_reading& reading, Zone_reading& zone, Index point_cou
   }
 }
 
-} // namespace recurve::internal
+} // namespace recurve::internal::cgns

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace recurve::internal {
+namespace recurve::internal::cgns {
 
 namespace {
 
@@ -218,4 +218,4 @@ void read_interfaces(Cgns_reading& reading, const std::string& base_name)
       }
 }
 
-} // namespace recurve::internal
+} // namespace recurve::internal::cgns

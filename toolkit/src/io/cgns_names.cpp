@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace recurve::internal {
+namespace recurve::internal::cgns {
 
 std::string cut_name(std::string_view name, std::size_t length)
 {
@@ -31,4 +31,4 @@ std::string Cgns_names::take(std::string_view name)
   return result;
 }
 
-} // namespace recurve::internal
+} // namespace recurve::internal::cgns

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <unordered_set>
 
-namespace recurve::internal {
+namespace recurve::internal::cgns {
 
 /// Names of sibling nodes of a CGNS tree: at most 32 bytes long, without '/', all different.
 class Cgns_names
@@ -31,6 +31,6 @@ std::string cut_name(std::string_view name, std::size_t length);
 /// longest name of a CGNS node, in bytes (SIDS).
 inline constexpr std::size_t longest_cgns_name = 32;
 
-} // namespace recurve::internal
+} // namespace recurve::internal::cgns
 
 #endif

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <unordered_set>
 
-namespace recurve::internal {
+namespace recurve::internal::cgns {
 
 namespace {
 
@@ -240,4 +240,4 @@ void read_patches(Cgns_reading& reading, Zone_reading& zone)
       r.note(p, "has no face of the zone: left out");
 }
 
-} // namespace recurve::internal
+} // namespace recurve::internal::cgns

@@ -10,7 +10,7 @@
 
 namespace recurve {
 
-namespace internal {
+namespace internal::cgns {
 
 std::string text_of(const Cgns_tree& tree, const Cgns_node& node, std::string_view label)
 {
@@ -166,14 +166,14 @@ Volume_mesh read_base(Cgns_reading& reading, const Progress_callback& progress)
 
 } // namespace
 
-} // namespace internal
+} // namespace internal::cgns
 
 Volume_mesh read_cgns(const std::filesystem::path& file, Read_report* report, const Progress_callback& progress)
 try
 {
-  const internal::Cgns_tree tree(file);
-  internal::Cgns_reading reading = {.tree = tree, .zones = {}, .notes = {}};
-  Volume_mesh mesh = internal::read_base(reading, progress);
+  const internal::cgns::Cgns_tree tree(file);
+  internal::cgns::Cgns_reading reading = {.tree = tree, .zones = {}, .notes = {}};
+  Volume_mesh mesh = internal::cgns::read_base(reading, progress);
   if (report != nullptr)
     report->notes.insert(report->notes.end(), reading.notes.begin(), reading.notes.end());
   return mesh;

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace recurve::internal {
+namespace recurve::internal::cgns {
 
 /// Where the elements of one Elements_t node went. CGNS counts elements from 1 through all sections of a zone.
 struct Element_block
@@ -115,6 +115,6 @@ void match_vertex_patches(Zone& zone, const std::vector<Vertex_patch>& patches, 
 /// reads the connections of all zones.
 void read_interfaces(Cgns_reading& reading, const std::string& base_name);
 
-} // namespace recurve::internal
+} // namespace recurve::internal::cgns
 
 #endif

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <limits>
 
-namespace recurve::internal {
+namespace recurve::internal::cgns {
 
 namespace {
 
@@ -300,4 +300,4 @@ Index face_of_element(const Cgns_tree& tree, const Zone_reading& zone, Index ele
   return block.first_face == no_index ? no_index : block.first_face + element - block.first;
 }
 
-} // namespace recurve::internal
+} // namespace recurve::internal::cgns

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace recurve::internal {
+namespace recurve::internal::cgns {
 
 namespace {
 
@@ -98,4 +98,4 @@ std::vector<std::array<Index, 4>> structured_faces(const Cgns_tree& tree, const 
   return faces_of(zone, rectangle);
 }
 
-} // namespace recurve::internal
+} // namespace recurve::internal::cgns

@@ -12,7 +12,7 @@
 #include <fstream>
 #include <numeric>
 
-namespace recurve::internal {
+namespace recurve::internal::cgns {
 
 namespace {
 
@@ -317,4 +317,4 @@ std::string Cgns_tree::read_text(const Cgns_node& node) const
   return trimmed(text);
 }
 
-} // namespace recurve::internal
+} // namespace recurve::internal::cgns

@@ -13,7 +13,7 @@
 #include <string_view>
 #include <vector>
 
-namespace recurve::internal {
+namespace recurve::internal::cgns {
 
 /// libcgns and HDF5 keep their state in global variables: one caller at a time.
 std::mutex& cgns_mutex();
@@ -101,6 +101,6 @@ private:
   mutable bool has_links_ = false;
 };
 
-} // namespace recurve::internal
+} // namespace recurve::internal::cgns
 
 #endif

@@ -10,7 +10,7 @@
 // in both lists. What decides, in this order: whole sections of faces that lie in the list (the usual way: section and
 // list are the same thing twice), then single faces; a face in several lists goes where its flattest neighbour is.
 
-namespace recurve::internal {
+namespace recurve::internal::cgns {
 
 namespace {
 
@@ -321,4 +321,4 @@ void match_vertex_patches(Zone& zone, const std::vector<Vertex_patch>& patches, 
   make_sections(m, claimed, chosen);
 }
 
-} // namespace recurve::internal
+} // namespace recurve::internal::cgns

@@ -21,7 +21,7 @@
 
 namespace recurve {
 
-namespace internal {
+namespace internal::cgns {
 
 namespace {
 
@@ -403,11 +403,11 @@ void write_cgns_within(const Curved_mesh& mesh, const std::filesystem::path& fil
   report_progress(progress, "write", 1);
 }
 
-} // namespace internal
+} // namespace internal::cgns
 
 void write_cgns(const Curved_mesh& mesh, const std::filesystem::path& file, const Progress_callback& progress)
 {
-  internal::write_cgns_within(mesh, file, progress, {});
+  internal::cgns::write_cgns_within(mesh, file, progress, {});
 }
 
 } // namespace recurve

@@ -8,7 +8,7 @@
 
 #include <limits>
 
-namespace recurve::internal {
+namespace recurve::internal::cgns {
 
 namespace {
 
@@ -125,4 +125,4 @@ void check_written(const Curved_mesh& mesh, const std::filesystem::path& file)
     tree.fail(fmt::format("only {} of {} node numbers were written", numbers, connectivity_count(mesh)));
 }
 
-} // namespace recurve::internal
+} // namespace recurve::internal::cgns

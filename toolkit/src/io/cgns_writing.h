@@ -9,7 +9,7 @@
 #include <limits>
 #include <vector>
 
-namespace recurve::internal {
+namespace recurve::internal::cgns {
 
 /// Limits of the file that a test may lower.
 struct Cgns_write_limits
@@ -41,6 +41,6 @@ void check_written(const Curved_mesh& mesh, const std::filesystem::path& file);
 void write_cgns_within(const Curved_mesh& mesh, const std::filesystem::path& file, const Progress_callback& progress,
                        const Cgns_write_limits& limits);
 
-} // namespace recurve::internal
+} // namespace recurve::internal::cgns
 
 #endif

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace recurve::internal {
+namespace recurve::internal::cgns {
 
 namespace {
 
@@ -87,4 +87,4 @@ Zone_reading read_zone(Cgns_reading& reading, const Cgns_node& node)
   return result;
 }
 
-} // namespace recurve::internal
+} // namespace recurve::internal::cgns

@@ -7,17 +7,19 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <functional>
 #include <limits>
 #include <map>
 #include <set>
 #include <span>
+#include <utility>
 
 namespace recurve {
 
 namespace {
 
-constexpr std::string_view stage = "write VTU";
+constexpr std::string_view stage = "write";
 
 // VTK's numbers of Lagrange cells, vtkCellType.h.
 std::uint8_t vtk_type(Element_type type)
@@ -408,6 +410,7 @@ std::string string_array(std::string_view name, const Strings& strings)
 std::string field_data(const Vtu_content& content)
 {
   std::vector<std::string> zone_names;
+  zone_names.reserve(content.mesh().linear.zones.size());
   for (const Zone& zone : content.mesh().linear.zones)
     zone_names.push_back(zone.name);
   std::vector<std::string_view> type_names;
@@ -445,12 +448,28 @@ std::string header(const Vtu_content& content, const Arrays& arrays)
                      field_data(content), content.point_count(), content.element_count(), points, cells, cell_data);
 }
 
-void put_appended(const Arrays& arrays, Binary_output& out, const Progress_callback& progress)
+std::uint64_t total_bytes(const Arrays& arrays)
 {
-  std::uint64_t total = 0, done = 0;
+  std::uint64_t total = 0;
   for (const auto* group : {&arrays.points, &arrays.cells, &arrays.cell_data})
     for (const Data_array& array : *group)
       total += array.bytes;
+  return total;
+}
+
+/// tells `progress` of each new percent that is written.
+std::function<void()> watch(const Binary_output& out, std::uint64_t total, const Progress_callback& progress)
+{
+  return [&out, &progress, total, shown = std::uint64_t{0}]() mutable {
+    // The header comes on top of the arrays, so that the sum may pass 100.
+    const std::uint64_t percent = std::min<std::uint64_t>(100, total > 0 ? 100 * out.size() / total : 100);
+    if (percent > std::exchange(shown, percent))
+      report_progress(progress, stage, static_cast<double>(percent) / 100);
+  };
+}
+
+void put_appended(const Arrays& arrays, Binary_output& out)
+{
   for (const auto* group : {&arrays.points, &arrays.cells, &arrays.cell_data})
     for (const Data_array& array : *group)
     {
@@ -459,8 +478,6 @@ void put_appended(const Arrays& arrays, Binary_output& out, const Progress_callb
       array.put(out);
       if (out.size() - start != array.bytes)
         throw Input_error(fmt::format("write_vtu: array \"{}\" does not fit the mesh", array.name));
-      done += array.bytes;
-      report_progress(progress, stage, total > 0 ? static_cast<double>(done) / static_cast<double>(total) : 1.0);
     }
 }
 
@@ -476,7 +493,8 @@ void write_vtu(const Curved_mesh& mesh, const std::filesystem::path& file, const
   const Arrays arrays = make_arrays(content, fields);
   Binary_output out(file);
   out.put_text(header(content, arrays));
-  put_appended(arrays, out, progress);
+  out.call_after_writes(watch(out, total_bytes(arrays), progress));
+  put_appended(arrays, out);
   out.put_text("\n</AppendedData>\n</VTKFile>\n");
   out.close();
 }

@@ -58,19 +58,20 @@ struct Feature_options
   /// crease that runs from border to border is a feature only if it is sharp.
   bool border_ends = true;
 
-  /// whether curves are rejected along which the surface bends no more per length than beside them: the edges of a
-  /// coarse mesh of a smooth surface.
+  /// whether curves, and long parts of curves, are rejected along which the surface bends no more per length than
+  /// beside them: the edges of a coarse mesh of a smooth surface.
   bool reject_smooth = true;
 
-  /// [theta_c] curves with a dihedral angle above this are safe from `reject_smooth`.
+  /// [theta_c] edges with a dihedral angle above this are safe from `reject_smooth`.
   double smooth_angle = 40;
 
   /// [rho_c] `reject_smooth` rejects a curve if at half of its edges the bending per length is less than this
   /// multiple of that beside it. Without unit.
   double smooth_contrast = 2;
 
-  /// a long curve (of more than `strong_edges` edges) is kept in spite of doubtful ends if at three quarters of its
-  /// edges the bending per length is at least this multiple of that beside it: a crease that fades out. Without unit.
+  /// a long curve (of more than `strong_edges` edges) is kept in spite of doubtful ends if at two thirds of its edges
+  /// the bending per length is more than this multiple of that beside it: a crease that fades out. Infinity: none is.
+  /// Without unit.
   double crease_contrast = 3;
 
   /// the one threshold of `Feature_method::dihedral`.
@@ -78,7 +79,7 @@ struct Feature_options
 };
 
 /// checks the ranges and the order of the fields:
-/// 0 < weak_angle <= end_angle <= strong_angle <= sharp_angle <= acute_angle <= 180,
+/// 0 <= weak_angle <= end_angle and strong_angle <= sharp_angle <= acute_angle <= 180,
 /// turning_angle >= 2 ridge_deviation, and the rest within their natural ranges.
 /// \throws Input_error naming the fields and their values otherwise.
 inline void check(const Feature_options& options)

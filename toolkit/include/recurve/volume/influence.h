@@ -4,6 +4,7 @@
 #include <recurve/core/exceptions.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <concepts>
 #include <limits>
@@ -25,42 +26,44 @@ concept Influence = requires(const W& w, double q) {
 /// An influence that can be summed fast. It has to be a sum of positive multiples of inverse powers of the distance
 /// (then the radial direction is the worst for its Taylor series), and to know of itself:
 ///   - `w.derivatives(q, values)`  values[m] = (2 d/dq)^m w(q), m = 0 .. values.size()-1.
-///   - `w.remainders(distance, mean_radius, largest_radius, values)`  values[k] = a bound of what the Taylor polynomial of
-///     degree k at a point that far away omits, averaged over displacements of its argument that are nowhere longer
-///     than `largest_radius` < `distance` and whose mean of order k + 1 is at most `mean_radius`.
+///   - `w.remainder(distance, mean_radius, largest_radius, degree)`  a bound of what the Taylor polynomial of degree
+///     `degree` at a point that far away omits, averaged over displacements of its argument that are nowhere longer
+///     than `largest_radius` < `distance` and whose mean of order degree + 1 is at most `mean_radius`.
 template <class W>
-concept Expandable_influence = Influence<W> && requires(const W& w, double q, std::span<double> values) {
+concept Expandable_influence = Influence<W> && requires(const W& w, double q, std::span<double> values, int degree) {
   w.derivatives(q, values);
-  w.remainders(q, q, q, values);
+  { w.remainder(q, q, q, degree) } -> std::convertible_to<double>;
 };
 
 namespace internal {
 
-/// adds `factor` times the remainders of |x|^-power; see `Expandable_influence`. The term of degree k of the series of
-/// |x + d|^-power is at most binomial(power + k - 1, k) (|d|/|x|)^k |x|^-power, since Gegenbauer polynomials are largest
-/// at 1. The quotient of successive terms tends to |d|/|x| and is largest (power > 1) or smallest in front, so that the
-/// remainder is less than a geometric series.
-template <class Power>
-void add_remainders(Power power, double factor, double distance, double mean_radius, double largest_radius,
-                    std::span<double> values)
+/// binomial(power + degree, degree + 1) for any positive power.
+constexpr double leading_coefficient(double power, int degree)
 {
-  const double inverse = 1 / distance;
-  const double ratio = mean_radius * inverse, largest_ratio = largest_radius * inverse;
-  double term = factor;
-  if constexpr (std::integral<Power>)
-    for (Power k = 0; k < power; ++k)
-      term *= inverse;
-  else
-    term *= std::pow(inverse, power);
-  const double p = static_cast<double>(power);
-  double k = 1;
-  for (double& value : values)
-  {
-    term *= ratio * ((p + k - 1) / k);
-    const double quotient = largest_ratio * std::max(1.0, (p + k) / (k + 1));
-    value += quotient < 1 ? term / (1 - quotient) : std::numeric_limits<double>::infinity();
-    k += 1;
-  }
+  double result = 1;
+  for (int k = 0; k <= degree; ++k)
+    result *= (power + k) / (k + 1);
+  return result;
+}
+
+/// The remainder of |x|^-power, divided by |x|^-power and by (mean radius / distance)^(degree + 1); see
+/// `Expandable_influence`. The term of degree k of the series of |x + d|^-power is at most
+/// binomial(power + k - 1, k) (|d|/|x|)^k |x|^-power, since Gegenbauer polynomials are largest at 1; and the quotient
+/// of successive ones from there on is at most max(1, (power + k)/(k + 1)) |d|/|x|, so that the remainder is less than a
+/// geometric series. \param ratio  largest radius / distance.
+constexpr double remainder_factor(double coefficient, double power, double ratio, int degree)
+{
+  const double quotient = ratio * std::max(1.0, (power + degree + 1) / (degree + 2));
+  return quotient < 1 ? coefficient / (1 - quotient) : std::numeric_limits<double>::infinity();
+}
+
+constexpr double integer_power(double x, int n)
+{
+  double result = 1;
+  for (; n > 0; n /= 2, x *= x)
+    if (n % 2 == 1)
+      result *= x;
+  return result;
 }
 
 inline void check_influence(double a, double b, double alpha, double length)
@@ -92,7 +95,7 @@ public:
   {
     static_assert(A > 0 && B > 0);
     internal::check_influence(A, B, alpha, length);
-    near_factor_ = integer_power(alpha, B);
+    near_factor_ = internal::integer_power(alpha, B);
   }
 
   double length() const { return length_; }
@@ -101,13 +104,13 @@ public:
   double operator()(double q) const
   {
     const double u = 1 / std::sqrt(q);
-    return integer_power(u, A) + near_factor_ * integer_power(u, B);
+    return internal::integer_power(u, A) + near_factor_ * internal::integer_power(u, B);
   }
 
   void derivatives(double q, std::span<double> values) const
   {
     const double u = 1 / std::sqrt(q);
-    double far = integer_power(u, A), near = near_factor_ * integer_power(u, B);
+    double far = internal::integer_power(u, A), near = near_factor_ * internal::integer_power(u, B);
     for (std::size_t m = 0; m < values.size(); ++m)
     {
       values[m] = far + near;
@@ -116,20 +119,27 @@ public:
     }
   }
 
-  void remainders(double distance, double mean_radius, double largest_radius, std::span<double> values) const
+  double remainder(double distance, double mean_radius, double largest_radius, int degree) const
   {
-    std::ranges::fill(values, 0.0);
-    internal::add_remainders(A, 1, distance, mean_radius, largest_radius, values);
-    internal::add_remainders(B, near_factor_, distance, mean_radius, largest_radius, values);
+    const double inverse = 1 / distance, ratio = largest_radius * inverse;
+    const auto [far, near] = coefficients(degree);
+    return internal::integer_power(mean_radius * inverse, degree + 1) *
+           (internal::integer_power(inverse, A) * internal::remainder_factor(far, A, ratio, degree) +
+            near_factor_ * internal::integer_power(inverse, B) * internal::remainder_factor(near, B, ratio, degree));
   }
 
 private:
-  static constexpr double integer_power(double x, int n)
+  static std::array<double, 2> coefficients(int degree)
   {
-    double result = 1;
-    for (; n > 0; --n)
-      result *= x;
-    return result;
+    static constexpr auto table = [] {
+      std::array<std::array<double, 2>, 16> result = {};
+      for (int k = 0; k < 16; ++k)
+        result[static_cast<std::size_t>(k)] = {internal::leading_coefficient(A, k), internal::leading_coefficient(B, k)};
+      return result;
+    }();
+    if (degree < 16)
+      return table[static_cast<std::size_t>(degree)];
+    return {internal::leading_coefficient(A, degree), internal::leading_coefficient(B, degree)};
   }
 
   double length_;
@@ -162,11 +172,14 @@ public:
     }
   }
 
-  void remainders(double distance, double mean_radius, double largest_radius, std::span<double> values) const
+  double remainder(double distance, double mean_radius, double largest_radius, int degree) const
   {
-    std::ranges::fill(values, 0.0);
-    internal::add_remainders(a_, 1, distance, mean_radius, largest_radius, values);
-    internal::add_remainders(b_, near_factor_, distance, mean_radius, largest_radius, values);
+    const double ratio = largest_radius / distance;
+    const auto part = [&](double power) {
+      return std::pow(distance, -power) *
+             internal::remainder_factor(internal::leading_coefficient(power, degree), power, ratio, degree);
+    };
+    return internal::integer_power(mean_radius / distance, degree + 1) * (part(a_) + near_factor_ * part(b_));
   }
 
 private:

@@ -269,7 +269,7 @@ private:
   bool stands_out(const std::vector<Index>& curve)
   {
     const auto count =
-      std::count_if(curve.begin(), curve.end(), [&](Index h) { return contrast(h) >= options_.crease_contrast; });
+      std::count_if(curve.begin(), curve.end(), [&](Index h) { return contrast(h) > options_.crease_contrast; });
     return 3 * count >= 2 * std::ssize(curve);
   }
 

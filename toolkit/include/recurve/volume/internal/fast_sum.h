@@ -95,6 +95,16 @@ private:
     double error = 0;    ///< bound of the error of the sum
   };
 
+  /// What it would mean to expand a source cell in a cell of targets.
+  struct Offer
+  {
+    Index node;
+    double own;     ///< lower bound of the source cell's weight at any of the targets
+    double typical; ///< its weight at the center
+    double distance, mean_radius, radii;
+    double error; ///< bound of the error at the full degree
+  };
+
   /// One cell of targets, as its parent hands it down.
   struct Task
   {
@@ -126,6 +136,7 @@ private:
   {
     std::vector<Index> stack, direct;
     std::vector<Cell> expanded;
+    std::vector<Offer> pending;
     Translation_room<double> doubles;
     Translation_room<float> floats;
     Aligned_vector<double> coordinates, sums;
@@ -135,24 +146,35 @@ private:
   template <class Emit>
   Sum_tally visit(Task task, const Emit& emit) const;
   template <class Emit>
-  Sum_tally finish_leaf(const Node& target, const Task& task, Scratch& scratch, const Emit& emit) const;
-  void raise_lowest(Index target, Task& task, std::vector<Index>& stack) const;
-  int acceptable_degree(const Node& target, Index source, Account& account, Index target_count) const;
+  Sum_tally visit_leaf(Task& task, Scratch& scratch, const Emit& emit) const;
+
+  void raise_lowest(const Node& target, std::span<const Index> candidates, double known, Account& account,
+                    std::vector<Index>& stack) const;
+  bool make_offer(const Node& target, Index source, Offer& offer) const;
+  double share(const Offer& offer, const Account& account) const;
+  double left(const Offer& offer, const Account& account) const;
+  int accept(const Offer& offer, double allowed, Account& account) const;
   std::vector<Index> sort_candidates(Task& task, Scratch& scratch) const;
+  void split_near(Task& task, Scratch& scratch) const;
+  void sort_leaf_candidates(Task& task, Scratch& scratch) const;
+
   void move_local(const Point& center, Task& task) const;
   void add_expanded(const Node& target, Scratch& scratch, Task& task) const;
   template <class Real>
   void add_expanded(const Node& target, std::span<const Cell> cells, Translation_room<Real>& room, Task& task) const;
   template <class Real>
   void translate(const Node& target, std::span<const Cell> cells, Translation_room<Real>& room) const;
+
+  Sums prepare_leaf(const Node& target, Scratch& scratch) const;
   Index sum_direct(const Node& target, Scratch& scratch, const Sums& sums) const;
   bool is_float_safe(const Node& target, const Node& source) const;
+  void sum_floats(const Node& target, Scratch& scratch, std::size_t count, const Sums& sums) const;
 
   // A subtree with fewer targets is not worth a task.
   static constexpr Index parallel_size = 2048;
 
   // Radii that add up to more than this part of the distance let the series converge too slowly to be considered.
-  static constexpr double largest_ratio = 0.75;
+  static constexpr double largest_ratio = 0.5;
 
   // What the translation of one cell costs, by degree, in directly summed pairs (measured).
   static constexpr std::array<Index, max_expansion_degree + 1> translation_cost = {30,  40,   60,   100,  190, 360,
@@ -164,7 +186,6 @@ private:
   Summation_kernels<I> kernels_;
   bool uses_floats_;
   double tolerance_;
-  double worst_case_ = KAPPA;
   const Expansion_table& table_ = Expansion_table::instance();
   mutable tbb::enumerable_thread_specific<Scratch> scratch_;
 };
@@ -179,15 +200,15 @@ Sum_tally Fast_sum<I>::visit(Task task, const Emit& emit) const
   {
     // Not held across the parallel calls below, during which this thread may work on another cell.
     Scratch& scratch = scratch_.local();
-    raise_lowest(task.node, task, scratch.stack);
-    std::vector<Index> left = sort_candidates(task, scratch);
+    if (targets_.is_leaf(task.node))
+      return visit_leaf(task, scratch, emit);
+    raise_lowest(target, task.candidates, task.account.expanded, task.account, scratch.stack);
+    std::vector<Index> undecided = sort_candidates(task, scratch);
     tally.translations = static_cast<Index>(scratch.expanded.size());
     move_local(target.center, task);
     add_expanded(target, scratch, task);
-    if (targets_.is_leaf(task.node))
-      return tally += finish_leaf(target, task, scratch, emit);
-    children[0] = {2 * task.node + 1, left, task.local, target.center, task.account};
-    children[1] = {2 * task.node + 2, std::move(left), std::move(task.local), target.center, task.account};
+    children[0] = {2 * task.node + 1, undecided, task.local, target.center, task.account};
+    children[1] = {2 * task.node + 2, std::move(undecided), std::move(task.local), target.center, task.account};
   }
   std::array<Sum_tally, 2> tallies;
   const auto first = [&] { tallies[0] = visit(std::move(children[0]), emit); };
@@ -202,105 +223,222 @@ Sum_tally Fast_sum<I>::visit(Task task, const Emit& emit) const
   return (tally += tallies[0]) += tallies[1];
 }
 
-/// improves the lower bound of the sum of weights in a cell of targets, by opening source cells that are close to it.
 template <class I>
-void Fast_sum<I>::raise_lowest(Index number, Task& task, std::vector<Index>& stack) const
+template <class Emit>
+Sum_tally Fast_sum<I>::visit_leaf(Task& task, Scratch& scratch, const Emit& emit) const
+{
+  const Node& target = targets_.node(task.node);
+  const Sums sums = prepare_leaf(target, scratch);
+
+  // What is too close to be expanded in any case comes first: then it is known how much weight there is at least.
+  split_near(task, scratch);
+  Sum_tally tally;
+  tally.pairs = sum_direct(target, scratch, sums);
+  const double near = *std::min_element(sums.weight, sums.weight + target.size());
+  raise_lowest(target, task.candidates, task.account.expanded + near, task.account, scratch.stack);
+  sort_leaf_candidates(task, scratch);
+  tally.pairs += sum_direct(target, scratch, sums);
+
+  tally.translations = static_cast<Index>(scratch.expanded.size());
+  move_local(target.center, task);
+  add_expanded(target, scratch, task);
+  const std::size_t n = scratch.coordinates.size() / 6;
+  const double* relative = scratch.coordinates.data() + 3 * n;
+  if (!task.local.empty())
+    kernels_.common().add_local(table_, sources_.degree(), task.local.data(), {relative, relative + n, relative + 2 * n},
+                                static_cast<Index>(n), sums);
+
+  const double weight = std::max(task.account.lowest, (task.account.lowest + task.account.expanded) / 2);
+  tally.error = task.account.error > 0 ? 2 * task.account.error / weight : 0;
+  if (uses_floats_)
+    tally.error += float_rounding;
+  for (Index m = 0; m < target.size(); ++m)
+  {
+    const double quotient = sums.weight[m] > 0 ? 1 / sums.weight[m] : 0;
+    sums.x[m] *= quotient;
+    sums.y[m] *= quotient;
+    sums.z[m] *= quotient;
+  }
+  emit(targets_.points().subspan(static_cast<std::size_t>(target.begin), static_cast<std::size_t>(target.size())),
+       sums.x, sums.y, sums.z);
+  return tally;
+}
+
+/// improves the lower bound of the sum of weights in a cell of targets: `known` plus what the candidates weigh, at least.
+template <class I>
+void Fast_sum<I>::raise_lowest(const Node& target, std::span<const Index> candidates, double known, Account& account,
+                               std::vector<Index>& stack) const
 {
   // Opened until the nearest and the farthest point of a cell weigh about the same.
   constexpr double small_ratio = 0.25;
 
-  const Node& target = targets_.node(number);
-  double sum = task.account.expanded;
-  stack.assign(task.candidates.begin(), task.candidates.end());
+  double sum = known;
+  stack.assign(candidates.begin(), candidates.end());
   while (!stack.empty())
   {
     const Index s = stack.back();
     stack.pop_back();
     const Node& source = sources_.tree().node(s);
     const double squared = squared_span(target, source);
-    if (source.radius * source.radius < small_ratio * small_ratio * squared)
+    if (squared > 0 &&
+        (source.radius * source.radius < small_ratio * small_ratio * squared || sources_.tree().is_leaf(s)))
       sum += sources_.weight(s) * influence_(squared);
     else if (!sources_.tree().is_leaf(s))
       stack.insert(stack.end(), {2 * s + 1, 2 * s + 2});
-    else if (!targets_.is_leaf(number))
-      sum += squared > 0 ? sources_.weight(s) * influence_(squared) : 0;
-    else
-      for (Index m = source.begin; m < source.end; ++m)
-        if (const double q = squared_span(target, sources_.position(m)); q > 0)
-          sum += sources_.source_weight(m) * influence_(q);
   }
-  task.account.lowest = std::max(task.account.lowest, sum);
+  account.lowest = std::max(account.lowest, sum);
 }
 
-/// the lowest degree at which the source cell may be expanded in the cell of targets, and charges the account for it; -1
-/// if there is none, or if `target_count` targets (of a leaf; else 0) are cheaper to sum directly.
+/// computes what it would mean to expand a source cell; false if it is too close.
 template <class I>
-int Fast_sum<I>::acceptable_degree(const Node& target, Index number, Account& account, Index target_count) const
+bool Fast_sum<I>::make_offer(const Node& target, Index number, Offer& offer) const
 {
   const Node& source = sources_.tree().node(number);
-  double squared = 0;
-  for (std::size_t d = 0; d < 3; ++d)
-    squared += (target.center[d] - source.center[d]) * (target.center[d] - source.center[d]);
+  const double squared = squared_distance(target.center, source.center);
   const double radii = target.radius + source.radius;
   if (radii * radii >= largest_ratio * largest_ratio * squared)
-    return -1;
-  const double distance = std::sqrt(squared);
-  const double weight = sources_.weight(number);
-  const double own = weight * influence_((distance + radii) * (distance + radii));
+    return false;
+  const double distance = std::sqrt(squared), weight = sources_.weight(number);
+  offer.node = number;
+  offer.own = weight * influence_((distance + radii) * (distance + radii));
+  offer.typical = weight * influence_(squared);
+  offer.distance = distance;
+  offer.mean_radius = target.radius + sources_.mean_radius(number);
+  offer.radii = radii;
+  offer.error = weight * influence_.remainder(distance, offer.mean_radius, radii, sources_.degree());
+  return true;
+}
 
-  // The other half of the budget: cells of this size around the targets at this distance form a ring. Work is least if
-  // the rings get error in proportion to a small power of their weights; it fades slowly, so that there are
-  // effectively six of them. Their cells share it evenly.
+/// the error that a cell may make regardless of what others need: a part in proportion to its own weight, and a share of
+/// the other half of the budget.
+template <class I>
+double Fast_sum<I>::share(const Offer& offer, const Account& account) const
+{
+  // Cells of one size at one distance from the targets form a ring. Work is least if the rings get error in proportion
+  // to a small power of their weights; it fades slowly, so that there are effectively six of them.
   constexpr double part_of_ring = 1.0 / 6;
-  const double cells_in_ring = 4 * squared / (radii * radii);
-  const double weight_of_ring = std::min(1.0, weight * influence_(squared) * cells_in_ring / account.lowest);
-  const double half = tolerance_ / 4;
-  const double share = part_of_ring * half * account.lowest * std::sqrt(std::sqrt(weight_of_ring)) / cells_in_ring;
-  const double left = half * (account.expanded + own + account.lowest) - account.error;
-  const double allowed = std::min(left, half * own + std::max(share, target_count > 0 ? GREED * left : 0.0));
 
-  std::array<double, max_expansion_degree + 1> errors;
+  const double cells_in_ring = 4 * offer.distance * offer.distance / (offer.radii * offer.radii);
+  const double weight_of_ring = std::min(1.0, offer.typical * cells_in_ring / account.lowest);
+  return tolerance_ / 4 *
+         (offer.own + part_of_ring * account.lowest * std::sqrt(std::sqrt(weight_of_ring)) / cells_in_ring);
+}
+
+/// what may still be spent: the errors of all cells stay within tolerance / 2 times the sum of weights at each target,
+/// which is at least the mean of both its lower bounds.
+template <class I>
+double Fast_sum<I>::left(const Offer& offer, const Account& account) const
+{
+  return tolerance_ / 4 * (account.expanded + offer.own + account.lowest) - account.error;
+}
+
+/// the lowest degree whose error is allowed, which is charged to the account; -1 if there is none.
+template <class I>
+int Fast_sum<I>::accept(const Offer& offer, double allowed, Account& account) const
+{
+  allowed = std::min(allowed, left(offer, account));
+  if (!(offer.error <= allowed))
+    return -1;
   int degree = sources_.degree();
-  influence_.remainders(distance, target.radius + sources_.mean_radius(number), radii,
-                        std::span(errors).first(static_cast<std::size_t>(degree) + 1));
-  const double factor = weight * worst_case_;
-  if (!(factor * errors[static_cast<std::size_t>(degree)] <= allowed))
-    return -1;
-  while (degree > 0 && factor * errors[static_cast<std::size_t>(degree - 1)] <= allowed)
+  double error = offer.error;
+  const double weight = sources_.weight(offer.node);
+  while (degree > 0)
+  {
+    const double next = weight * influence_.remainder(offer.distance, offer.mean_radius, offer.radii, degree - 1);
+    if (!(next <= allowed))
+      break;
+    error = next;
     --degree;
-  if (target_count > 0 && target_count * source.size() <= translation_cost[static_cast<std::size_t>(degree)])
-    return -1;
-  const double error = factor * errors[static_cast<std::size_t>(degree)];
-  account.expanded += own;
+  }
+  account.expanded += offer.own;
   account.error += error;
   return degree;
 }
 
-/// decides for each candidate, and for the cells below it, whether it is expanded, summed directly (`scratch.direct`) or
-/// left to the children.
+/// decides for each candidate of an inner cell, and for the cells below it, whether it is expanded or left to the
+/// children.
 template <class I>
 std::vector<Index> Fast_sum<I>::sort_candidates(Task& task, Scratch& scratch) const
 {
   const Node& target = targets_.node(task.node);
-  const bool is_leaf = targets_.is_leaf(task.node);
   const Point_tree& tree = sources_.tree();
-  std::vector<Index> left;
+  std::vector<Index> undecided;
+  Offer offer;
   scratch.expanded.clear();
+  scratch.stack.assign(task.candidates.rbegin(), task.candidates.rend());
+  while (!scratch.stack.empty())
+  {
+    const Index s = scratch.stack.back();
+    scratch.stack.pop_back();
+    const int degree =
+      make_offer(target, s, offer) ? accept(offer, share(offer, task.account), task.account) : -1;
+    if (degree >= 0)
+      scratch.expanded.push_back({s, degree});
+    else if (!tree.is_leaf(s) && tree.node(s).radius > target.radius)
+      scratch.stack.insert(scratch.stack.end(), {2 * s + 2, 2 * s + 1});
+    else
+      undecided.push_back(s);
+  }
+  return undecided;
+}
+
+/// moves the candidates of a leaf that are too close to be expanded to `scratch.direct`.
+template <class I>
+void Fast_sum<I>::split_near(Task& task, Scratch& scratch) const
+{
+  const Node& target = targets_.node(task.node);
+  const Point_tree& tree = sources_.tree();
+  std::vector<Index> others;
   scratch.direct.clear();
   scratch.stack.assign(task.candidates.rbegin(), task.candidates.rend());
   while (!scratch.stack.empty())
   {
     const Index s = scratch.stack.back();
     scratch.stack.pop_back();
-    const int degree = acceptable_degree(target, s, task.account, is_leaf ? target.size() : 0);
-    if (degree >= 0)
-      scratch.expanded.push_back({s, degree});
-    else if (!tree.is_leaf(s) && (is_leaf || tree.node(s).radius > target.radius))
-      scratch.stack.insert(scratch.stack.end(), {2 * s + 2, 2 * s + 1});
+    const double radii = target.radius + tree.node(s).radius;
+    if (radii * radii < largest_ratio * largest_ratio * squared_distance(target.center, tree.node(s).center))
+      others.push_back(s);
+    else if (tree.is_leaf(s))
+      scratch.direct.push_back(s);
     else
-      (is_leaf ? scratch.direct : left).push_back(s);
+      scratch.stack.insert(scratch.stack.end(), {2 * s + 2, 2 * s + 1});
   }
-  return left;
+  task.candidates = std::move(others);
+}
+
+/// decides for the other candidates of a leaf whether they are expanded or summed directly.
+template <class I>
+void Fast_sum<I>::sort_leaf_candidates(Task& task, Scratch& scratch) const
+{
+  const Node& target = targets_.node(task.node);
+  const Point_tree& tree = sources_.tree();
+  scratch.expanded.clear();
+  scratch.direct.clear();
+  scratch.pending.clear();
+  Offer offer;
+  scratch.stack.assign(task.candidates.rbegin(), task.candidates.rend());
+  while (!scratch.stack.empty())
+  {
+    const Index s = scratch.stack.back();
+    scratch.stack.pop_back();
+    if (!make_offer(target, s, offer))
+      scratch.direct.push_back(s); // only a rounding error away from split_near()
+    else if (const int degree = accept(offer, share(offer, task.account), task.account); degree >= 0)
+      scratch.expanded.push_back({s, degree});
+    else if (tree.is_leaf(s))
+      scratch.pending.push_back(offer);
+    else
+      scratch.stack.insert(scratch.stack.end(), {2 * s + 2, 2 * s + 1});
+  }
+
+  // What is left of the budget goes to the cells that need least of it.
+  std::ranges::stable_sort(scratch.pending, {}, &Offer::error);
+  const Index cost = translation_cost[static_cast<std::size_t>(sources_.degree())];
+  for (const Offer& o : scratch.pending)
+    if (target.size() * tree.node(o.node).size() > cost && accept(o, o.error, task.account) >= 0)
+      scratch.expanded.push_back({o.node, sources_.degree()});
+    else
+      scratch.direct.push_back(o.node);
 }
 
 /// moves the parent's local expansion to `center`.
@@ -409,14 +547,13 @@ void Fast_sum<I>::translate(const Node& target, std::span<const Cell> cells, Tra
                     packs(room.transposed), packs(room.lane_sums));
 }
 
-/// evaluates the local expansion, adds the near sources and hands out the quotients.
+/// lays out the targets of a leaf in arrays, and returns their sums, all zero.
 template <class I>
-template <class Emit>
-Sum_tally Fast_sum<I>::finish_leaf(const Node& target, const Task& task, Scratch& scratch, const Emit& emit) const
+Sums Fast_sum<I>::prepare_leaf(const Node& target, Scratch& scratch) const
 {
+  constexpr std::size_t group = 16; // fills vectors of floats of any width
   const auto points = targets_.points().subspan(static_cast<std::size_t>(target.begin),
                                                 static_cast<std::size_t>(target.size()));
-  constexpr std::size_t group = 16; // a vector of floats or two of doubles, whatever their width
   const std::size_t n = (points.size() + group - 1) / group * group;
   // Positions as they are, then relative to the center. What is added to fill a vector repeats the last point.
   scratch.coordinates.resize(6 * n);
@@ -430,25 +567,8 @@ Sum_tally Fast_sum<I>::finish_leaf(const Node& target, const Task& task, Scratch
       scratch.float_targets[d * n + m] = static_cast<float>(x - target.center[d]);
     }
   scratch.sums.assign(4 * n, 0.0);
-  const Sums sums = {scratch.sums.data(), scratch.sums.data() + n, scratch.sums.data() + 2 * n,
-                     scratch.sums.data() + 3 * n};
-  const double* relative = scratch.coordinates.data() + 3 * n;
-  if (!task.local.empty())
-    kernels_.common().add_local(table_, sources_.degree(), task.local.data(), {relative, relative + n, relative + 2 * n},
-                                static_cast<Index>(n), sums);
-  Sum_tally tally;
-  tally.pairs = sum_direct(target, scratch, sums);
-  tally.error = (task.account.lowest > 0 ? 2 * task.account.error / task.account.lowest : 0) +
-                (uses_floats_ ? float_rounding : 0);
-  for (std::size_t m = 0; m < points.size(); ++m)
-  {
-    const double quotient = sums.weight[m] > 0 ? 1 / sums.weight[m] : 0;
-    sums.x[m] *= quotient;
-    sums.y[m] *= quotient;
-    sums.z[m] *= quotient;
-  }
-  emit(points, sums.x, sums.y, sums.z);
-  return tally;
+  double* sums = scratch.sums.data();
+  return {sums, sums + n, sums + 2 * n, sums + 3 * n};
 }
 
 /// Whether the pairs of two cells can be summed in single precision, with coordinates relative to the target's center:
@@ -469,49 +589,51 @@ Index Fast_sum<I>::sum_direct(const Node& target, Scratch& scratch, const Sums& 
 {
   const std::size_t n = scratch.coordinates.size() / 6;
   const double* x = scratch.coordinates.data();
-  std::size_t floats = 0;
-  Index pairs = 0;
+  Index floats = 0, pairs = 0;
   for (Index& s : scratch.direct)
   {
     const Node& source = sources_.tree().node(s);
     pairs += target.size() * source.size();
     if (is_float_safe(target, source))
-      floats += static_cast<std::size_t>(source.size());
+      floats += source.size();
     else
     {
       kernels_.add_direct(sources_.charges(source.begin), source.size(), {x, x + n, x + 2 * n}, static_cast<Index>(n),
                           sums);
-      s = no_index;
+      s = no_index; // done
     }
   }
-  if constexpr (Summation_kernels<I>::has_floats)
-    if (floats > 0)
-    {
-      scratch.float_sources.resize(7 * floats);
-      std::array<float*, 7> to;
-      for (std::size_t c = 0; c < 7; ++c)
-        to[c] = scratch.float_sources.data() + c * floats;
-      const std::array<float*, 7> begin = to;
-      for (const Index s : scratch.direct)
-        if (s != no_index)
-        {
-          const Node& source = sources_.tree().node(s);
-          const Charges<double> charges = sources_.charges(source.begin);
-          const std::array<const double*, 7> from = {charges.x,          charges.y,          charges.z,         charges.weight,
-                                                     charges.weighted_x, charges.weighted_y, charges.weighted_z};
-          for (std::size_t c = 0; c < 7; ++c)
-          {
-            const double origin = c < 3 ? target.center[c] : 0;
-            for (Index m = 0; m < source.size(); ++m)
-              *to[c]++ = static_cast<float>(from[c][m] - origin);
-          }
-        }
-      const float* t = scratch.float_targets.data();
-      kernels_.add_direct(Charges<float>{begin[0], begin[1], begin[2], begin[3], begin[4], begin[5], begin[6]},
-                          static_cast<Index>(floats), Coordinates<float>{t, t + n, t + 2 * n}, static_cast<Index>(n),
-                          sums);
-    }
+  if (floats > 0)
+    sum_floats(target, scratch, static_cast<std::size_t>(floats), sums);
   return pairs;
+}
+
+/// sums those left in `scratch.direct`, `count` sources, in single precision.
+template <class I>
+void Fast_sum<I>::sum_floats(const Node& target, Scratch& scratch, std::size_t count, const Sums& sums) const
+{
+  if constexpr (Summation_kernels<I>::has_floats)
+  {
+    scratch.float_sources.resize(7 * count);
+    const float* s = scratch.float_sources.data();
+    for (std::size_t c = 0; c < 7; ++c)
+    {
+      float* to = scratch.float_sources.data() + c * count;
+      const double origin = c < 3 ? target.center[c] : 0;
+      for (const Index number : scratch.direct)
+        if (number != no_index)
+        {
+          const Node& source = sources_.tree().node(number);
+          kernels_.common().to_floats(sources_.charge(c) + source.begin, source.size(), origin, to);
+          to += source.size();
+        }
+    }
+    const std::size_t n = scratch.float_targets.size() / 3;
+    const float* t = scratch.float_targets.data();
+    kernels_.add_direct(
+      Charges<float>{s, s + count, s + 2 * count, s + 3 * count, s + 4 * count, s + 5 * count, s + 6 * count},
+      static_cast<Index>(count), Coordinates<float>{t, t + n, t + 2 * n}, static_cast<Index>(n), sums);
+  }
 }
 
 } // namespace recurve::internal

@@ -129,6 +129,12 @@ inline void Point_tree::build(Index number, Index begin, Index end)
   }
 }
 
+inline double squared_distance(const Point& a, const Point& b)
+{
+  const double x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
+  return x * x + y * y + z * z;
+}
+
 /// squared distance between the nearest points of two boxes; 0 if they meet.
 inline double squared_gap(const Point_tree::Node& a, const Point_tree::Node& b)
 {
@@ -148,18 +154,6 @@ inline double squared_span(const Point_tree::Node& a, const Point_tree::Node& b)
   for (std::size_t d = 0; d < 3; ++d)
   {
     const double span = std::max(a.high[d] - b.low[d], b.high[d] - a.low[d]);
-    sum += span * span;
-  }
-  return sum;
-}
-
-/// squared distance of `p` from the farthest point of the box of `a`.
-inline double squared_span(const Point_tree::Node& a, const Point& p)
-{
-  double sum = 0;
-  for (std::size_t d = 0; d < 3; ++d)
-  {
-    const double span = std::max(a.high[d] - p[d], p[d] - a.low[d]);
     sum += span * span;
   }
   return sum;

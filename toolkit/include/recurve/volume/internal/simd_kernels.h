@@ -115,6 +115,7 @@ struct Kernels
   std::string_view name;
   void (*add_direct)(const Charges<double>&, Index, const Coordinates<double>&, Index, double, const Sums&);
   void (*add_direct_float)(const Charges<float>&, Index, const Coordinates<float>&, Index, float, const Sums&);
+  void (*to_floats)(const double*, Index, double, float*);
   void (*add_moments)(const Expansion_table&, int, const Charges<double>&, Index, Pack<double>*, double*);
   void (*add_local)(const Expansion_table&, int, const double*, const Coordinates<double>&, Index, const Sums&);
   Translation<double> doubles;
@@ -133,7 +134,7 @@ const Kernels& kernels()
 #define RECURVE_KERNELS(set)                                                                                           \
   Kernels                                                                                                              \
   {                                                                                                                    \
-    #set, &set::add_direct<A, B>, &set::add_direct<A, B>, &set::add_moments, &set::add_local,                          \
+    #set, &set::add_direct<A, B>, &set::add_direct<A, B>, &set::to_floats, &set::add_moments, &set::add_local,         \
       RECURVE_TRANSLATION(set, double), RECURVE_TRANSLATION(set, float)                                                \
   }
   static const Kernels chosen = [] {

@@ -89,6 +89,16 @@ void add_direct(const Charges<double>& s, Index source_count, const Coordinates<
   }
 }
 
+/// to[m] = from[m] - origin
+inline void to_floats(const double* from, Index count, double origin, float* to)
+{
+  Index m = 0;
+  for (; m + width <= count; m += width)
+    *reinterpret_cast<Half_floats*>(to + m) = __builtin_convertvector(reals(from + m) - origin, Half_floats);
+  for (; m < count; ++m)
+    to[m] = static_cast<float>(from[m] - origin);
+}
+
 static inline void add_floats(double* sums, const Floats& part)
 {
   const float* p = reinterpret_cast<const float*>(&part);

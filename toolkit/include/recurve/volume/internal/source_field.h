@@ -75,6 +75,12 @@ public:
             weighted_x_.data() + first, weighted_y_.data() + first, weighted_z_.data() + first};
   }
 
+  /// the array of x, y, z, weight, weighted x, y, z.
+  const double* charge(std::size_t c) const
+  {
+    return std::array{&x_, &y_, &z_, &weight_, &weighted_x_, &weighted_y_, &weighted_z_}[c]->data();
+  }
+
   std::size_t bytes() const
   {
     return tree_.bytes() + 8 * (7 * weight_.size() + numbers_.size() + moments_.size()) + 4 * float_moments_.size() +
