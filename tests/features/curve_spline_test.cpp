@@ -70,6 +70,7 @@ double parameter(double i, int n, bool is_closed)
 Curve_spline fit(const Exact_curve& curve, int n, const Curve_fit_options& options)
 {
   std::vector<Point> points;
+  points.reserve(static_cast<std::size_t>(n) + 1);
   for (int i = 0; i < n + (curve.is_closed ? 0 : 1); ++i)
     points.push_back(curve.at(parameter(i, n, curve.is_closed)));
   return Curve_spline(points, curve.is_closed, options);
@@ -120,6 +121,7 @@ std::vector<Point> random_points(int n, unsigned seed)
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> coordinate(-1, 1);
   std::vector<Point> points;
+  points.reserve(static_cast<std::size_t>(n));
   for (int i = 0; i < n; ++i)
     points.push_back({i + 0.3 * coordinate(random), coordinate(random), coordinate(random)});
   return points;

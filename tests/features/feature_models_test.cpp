@@ -100,11 +100,11 @@ Findings find_on_copy(const Mesh& mesh)
 }
 
 /// CGAL's point map for OpenMesh writes through float, so the points are given to OpenMesh itself.
-template <class Open_mesh>
+template <class OpenMeshType>
 Findings find_on_open_mesh(const Surface& s)
 {
-  Open_mesh g;
-  std::vector<typename Open_mesh::VertexHandle> handles, corners;
+  OpenMeshType g;
+  std::vector<typename OpenMeshType::VertexHandle> handles, corners;
   for (const Point& p : s.points)
     handles.push_back(g.add_vertex({p[0], p[1], p[2]}));
   for (const auto& face : s.faces)
@@ -144,6 +144,7 @@ TEST_CASE("features: a mesh with removed elements gives the same as without them
   Mesh mesh = to_mesh(cube(3, Split::quads));
   Mesh with_garbage;
   std::vector<Mesh::Vertex_index> spare;
+  spare.reserve(4);
   for (int i = 0; i < 4; ++i)
     spare.push_back(with_garbage.add_vertex({100. + i, i * i * 1., 0}));
   const auto face = with_garbage.add_face(spare);

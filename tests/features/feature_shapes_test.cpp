@@ -78,7 +78,7 @@ TEST_CASE("cones: the rim, and the tip where it is sharp")
   require_features("flat", [](Split s) { return cone(24, 0.5, s); }, {24, 0});
   const auto report = detect(cone(24, std::sqrt(3.), Split::same)).report;
   CHECK(report.isolated_corners == 1);
-  CHECK(report.rejected_edges[static_cast<int>(Rejection::overshadowed)] == 24 * 4);
+  CHECK(report.rejected_edges[static_cast<int>(Rejection::overshadowed)] == 96);
 }
 
 TEST_CASE("smooth closed surfaces have no features, however coarse")

@@ -69,8 +69,8 @@ struct Precision_and_recall
 };
 
 /// with all edges between different patches true, except between the pairs in `smooth`.
-template <class Is_true>
-Precision_and_recall measure(const Real_surface& s, Is_true is_true)
+template <class IsTrue>
+Precision_and_recall measure(const Real_surface& s, IsTrue is_true)
 {
   double hits = 0, found = 0, truth = 0;
   for (const auto e : s.surface.mesh.edges())

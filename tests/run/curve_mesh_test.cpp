@@ -158,6 +158,66 @@ Volume_mesh split_in_two(const Volume_mesh& mesh)
   return result;
 }
 
+/// two zones with the sphere of radius 1.5 between them, which the one calls "above" and the other "below".
+Volume_mesh split_at_middle_layer(int n)
+{
+  const Volume_mesh whole = test::sphere_shell({n, 4, Element_type::hexahedron, test::Outer_shape::sphere});
+  const Zone& zone = whole.zones[0];
+  const auto layer_points = static_cast<Index>(zone.points.size()) / 5;
+  Volume_mesh result;
+  for (Index first_layer : {0, 2})
+  {
+    Zone part;
+    part.name = first_layer == 0 ? "inner" : "outer";
+    const Index first = first_layer * layer_points, last = first + 3 * layer_points;
+    part.points.assign(zone.points.begin() + first, zone.points.begin() + last);
+    part.cells = {{"cells", Element_type::hexahedron, {}}};
+    for (std::size_t n8 = 0; n8 < zone.cells[0].nodes.size(); n8 += 8)
+    {
+      const auto [least, most] = std::minmax_element(zone.cells[0].nodes.begin() + static_cast<std::ptrdiff_t>(n8),
+                                                     zone.cells[0].nodes.begin() + static_cast<std::ptrdiff_t>(n8 + 8));
+      if (*least >= first && *most < last)
+        for (std::size_t k = 0; k < 8; ++k)
+          part.cells[0].nodes.push_back(zone.cells[0].nodes[n8 + k] - first);
+    }
+    // The faces of the inner sphere, moved to the layer where the zones meet.
+    const Index meeting_layer = first_layer == 0 ? 2 : 0;
+    part.faces = {{"middle", Element_type::quadrangle, zone.faces[0].nodes}};
+    for (Index& node : part.faces[0].nodes)
+      node += meeting_layer * layer_points;
+    part.patches = {{first_layer == 0 ? "above" : "below", "BCWall", "", {}}};
+    part.patches[0].faces.resize(static_cast<std::size_t>(part.face_count()));
+    std::iota(part.patches[0].faces.begin(), part.patches[0].faces.end(), Index{0});
+    result.zones.push_back(part);
+  }
+  return result;
+}
+
+/// makes the faces between cells in the plane x = 0 a patch.
+void add_baffle(Zone& zone)
+{
+  Section section{"baffle", Element_type::quadrangle, {}};
+  const Reference_element& element = reference_element(Element_type::hexahedron);
+  for (std::size_t first = 0; first < zone.cells[0].nodes.size(); first += 8)
+  {
+    const auto x = [&](int corner) {
+      return zone.points[static_cast<std::size_t>(zone.cells[0].nodes[first + static_cast<std::size_t>(corner)])][0];
+    };
+    for (const Reference_face& face : element.faces)
+    {
+      const bool is_in_plane =
+        std::all_of(face.corners.begin(), face.corners.end(), [&](int corner) { return std::abs(x(corner)) < 1e-12; });
+      if (is_in_plane && x(0) + x(6) > 0)
+        for (int corner : face.corners)
+          section.nodes.push_back(zone.cells[0].nodes[first + static_cast<std::size_t>(corner)]);
+    }
+  }
+  Patch patch{"baffle", "BCWall", "", std::vector<Index>(static_cast<std::size_t>(section.size()))};
+  std::iota(patch.faces.begin(), patch.faces.end(), zone.face_count());
+  zone.faces.push_back(section);
+  zone.patches.push_back(patch);
+}
+
 } // namespace
 
 TEST_CASE("the nodes of a sphere come ten times closer to it than the straight ones")
@@ -203,37 +263,48 @@ TEST_CASE("a box stays straight in every cell and node, to the bit")
   CHECK(report.largest_displacement.length == 0);
 }
 
-TEST_CASE("a patch that is kept stays straight to the bit, with the rim that it shares")
+TEST_CASE("a patch that is kept stays straight to the bit, but for the rim that it shares with a curved one")
 {
   const int degree = GENERATE(2, 3, 4);
   CAPTURE(degree);
-  // The upper half of the sphere is a patch of its own.
+  // The upper half of the sphere is a patch of its own; the rim is the equator.
   Volume_mesh linear = test::sphere_shell({12, 2, Element_type::hexahedron, test::Outer_shape::box});
   Zone& zone = linear.zones[0];
   Patch upper = zone.patches[0];
   upper.name = "upper";
   std::erase_if(upper.faces, [&](Index face) {
-    return zone.points[static_cast<std::size_t>(zone.faces[0].nodes[static_cast<std::size_t>(4 * face)])][2] < 0.01;
+    double height = 0;
+    for (std::size_t corner = 0; corner < 4; ++corner)
+      height +=
+        zone.points[static_cast<std::size_t>(zone.faces[0].nodes[4 * static_cast<std::size_t>(face) + corner])][2];
+    return height < 0;
   });
   std::erase_if(zone.patches[0].faces,
                 [&](Index face) { return std::binary_search(upper.faces.begin(), upper.faces.end(), face); });
   zone.patches.push_back(upper);
 
   const Curved_mesh straight = elevated(linear, degree);
-  Curving_report report;
-  const Curved_mesh curved = curve_mesh(linear, {.degree = degree, .keep = {"sphere"}}, &report);
-  const auto kept = patch_nodes(curved, "sphere");
-  for (Index node : kept)
+  const Curved_mesh curved = curve_mesh(linear, {.degree = degree, .keep = {"sphere"}});
+  const double row = 0.1; // the first row of faces below the equator reaches down to sin(7.5 degrees) = 0.13
+  std::set<Index> rim, lower;
+  for (Index node : patch_nodes(curved, "sphere"))
+  {
+    const double height = straight.nodes[static_cast<std::size_t>(node)][2];
+    if (std::abs(height) < 1e-12)
+      rim.insert(node);
+    else if (height < -row - 0.05)
+      lower.insert(node);
+  }
+  REQUIRE(rim.size() == 48u * static_cast<unsigned>(degree));
+  REQUIRE_FALSE(lower.empty());
+  for (Index node : lower)
     CHECK(curved.nodes[static_cast<std::size_t>(node)] == straight.nodes[static_cast<std::size_t>(node)]);
-  CHECK(report.surface.pinned_edges > 0);
-
-  // Away from the rim the curved half lies on the sphere.
-  std::set<Index> inner;
-  for (Index node : patch_nodes(curved, "upper"))
-    if (straight.nodes[static_cast<std::size_t>(node)][2] > 0.5)
-      inner.insert(node);
-  REQUIRE_FALSE(inner.empty());
-  CHECK(largest_distance_to_sphere(curved, inner) < 0.1 * largest_distance_to_sphere(straight, inner));
+  // The curved half and its rim lie on the sphere; the rim stays in its plane.
+  CHECK(largest_distance_to_sphere(curved, rim) < 0.1 * largest_distance_to_sphere(straight, rim));
+  for (Index node : rim)
+    CHECK(std::abs(curved.nodes[static_cast<std::size_t>(node)][2]) < 1e-14);
+  const auto curved_nodes = patch_nodes(curved, "upper");
+  CHECK(largest_distance_to_sphere(curved, curved_nodes) < 0.1 * largest_distance_to_sphere(straight, curved_nodes));
 }
 
 TEST_CASE("an interface between zones is no wall, and both sides share their nodes")
@@ -262,6 +333,52 @@ TEST_CASE("an interface between zones is no wall, and both sides share their nod
                                 std::back_inserter(differences));
   // A coordinate at half a unit of the rounding may fall to either side.
   CHECK(differences.size() < one.nodes.size() / 1000);
+}
+
+TEST_CASE("an interface that is named is curved, once for both sides")
+{
+  const int degree = GENERATE(2, 3);
+  CAPTURE(degree);
+  const Volume_mesh linear = split_at_middle_layer(12);
+  const Curved_mesh straight = elevated(linear, degree);
+  Curving_report report;
+  const Curved_mesh curved = curve_mesh(linear, {.degree = degree, .curve = {"above"}}, &report);
+  const auto distance = [&](const Curved_mesh& mesh) {
+    double largest = 0;
+    for (Index node : patch_nodes(straight, "above"))
+      largest = std::max(largest, std::abs(radius(mesh.nodes[static_cast<std::size_t>(node)]) - 1.5));
+    return largest;
+  };
+  CHECK(distance(curved) < 0.1 * distance(straight));
+  CHECK(report.mesh.boundary.interface_faces == report.surface.faces);
+  CHECK(patch_nodes(curved, "above") == patch_nodes(curved, "below"));
+  for (std::size_t p = 0; p < report.mesh.patches.size(); ++p)
+  {
+    const bool is_interface = report.mesh.patches[p].place == Patch_place::interface;
+    CHECK((report.curved_faces[p] > 0) == is_interface);
+  }
+
+  // By default it stays straight.
+  const Curved_mesh by_default = curve_mesh(linear, {.degree = degree});
+  CHECK(distance(by_default) == distance(straight));
+}
+
+TEST_CASE("where a surface inside the mesh ends at a wall, all sheets share their nodes")
+{
+  const int degree = GENERATE(2, 3);
+  CAPTURE(degree);
+  Volume_mesh linear = test::sphere_shell({12, 3, Element_type::hexahedron, test::Outer_shape::box});
+  add_baffle(linear.zones[0]);
+  const Curved_mesh straight = elevated(linear, degree);
+  Curving_report report;
+  const Curved_mesh curved = curve_mesh(linear, {.degree = degree, .curve = {"*"}}, &report);
+  CHECK(report.mesh.boundary.internal_patches == std::vector<std::string>{"shell/baffle"});
+  // A great circle of the sphere and one around the box, of 48 edges each.
+  CHECK(report.surface.shared_edges == 2 * 48);
+  const auto sphere = patch_nodes(curved, "sphere");
+  CHECK(largest_distance_to_sphere(curved, sphere) < 0.1 * largest_distance_to_sphere(straight, sphere));
+  for (Index node : patch_nodes(curved, "baffle"))
+    CHECK(std::abs(curved.nodes[static_cast<std::size_t>(node)][0]) < 1e-14);
 }
 
 TEST_CASE("the number of threads does not change a bit")

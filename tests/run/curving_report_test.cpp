@@ -46,7 +46,6 @@ TEST_CASE("the report of a conversion counts what is there")
   CHECK(found["patches"][1]["curved_faces"] == 0);
   CHECK(found["surface"]["faces"] == 96);
   CHECK(found["surface"]["edges"] == 192);
-  CHECK(found["surface"]["pinned_edges"] == 0);
   CHECK(found["fits"]["faces"] == 96);
   CHECK(found["cells"]["total"] == 192);
   CHECK(found["cells"]["straight"] == 96);

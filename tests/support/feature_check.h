@@ -26,6 +26,7 @@ inline Mesh to_mesh(const Surface& s)
   for (const auto& face : s.faces)
   {
     std::vector<Mesh::Vertex_index> corners;
+    corners.reserve(face.size());
     for (const std::size_t v : face)
       corners.emplace_back(static_cast<Mesh::size_type>(v));
     if (mesh.add_face(corners) == Mesh::null_face())

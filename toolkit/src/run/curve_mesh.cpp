@@ -12,7 +12,9 @@
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <optional>
+#include <set>
 #include <utility>
 
 namespace recurve {
@@ -82,23 +84,27 @@ private:
     surface.notes = found.notes;
   }
 
-  /// per patch of the summary, which lists the patches zone by zone.
+  /// per patch of the summary, which lists the patches zone by zone. A face inside the mesh is curved with its other
+  /// side, whichever patch named it.
   void count_curved_faces()
   {
-    std::vector<std::size_t> first_patch;
-    std::size_t patches = 0;
-    for (const Zone& zone : linear_.zones)
-    {
-      first_patch.push_back(patches);
-      patches += zone.patches.size();
-    }
-    report_.curved_faces.assign(patches, 0);
+    const auto key = [&](std::size_t z, Index face) {
+      const Face_owners& owners = structure_.boundary.owners[z][static_cast<std::size_t>(face)];
+      return std::min(owners.first, owners.second.cell == no_index ? owners.first : owners.second);
+    };
+    std::set<Cell_face> curved_inside;
     for (Boundary_surface::Face face : surface_.mesh.faces())
     {
       const Patch_face& listed = surface_.face_patch[face];
-      ++report_
-          .curved_faces[first_patch[static_cast<std::size_t>(listed.zone)] + static_cast<std::size_t>(listed.patch)];
+      const auto z = static_cast<std::size_t>(listed.zone);
+      if (place_of(structure_.boundary.owners[z][static_cast<std::size_t>(listed.face)]) != Face_place::boundary)
+        curved_inside.insert(key(z, listed.face));
     }
+    for (std::size_t z = 0; z < linear_.zones.size(); ++z)
+      for (const Patch& patch : linear_.zones[z].patches)
+        report_.curved_faces.push_back(std::count_if(patch.faces.begin(), patch.faces.end(), [&](Index face) {
+          return selection_[z][static_cast<std::size_t>(face)] != 0 || curved_inside.count(key(z, face)) > 0;
+        }));
   }
 
   void raise_degree()
@@ -114,7 +120,7 @@ private:
     owners.reserve(surface_.mesh.number_of_faces());
     for (Boundary_surface::Face face : surface_.mesh.faces())
       owners.push_back(surface_.face_owner[face]);
-    Node_placement placement(curved_, structure_.boundary, selection_, std::move(owners));
+    Node_placement placement(curved_, std::move(owners));
     structure_.boundary.owners = {};
     place_surface_nodes(surface_, options_, placement, report_, progress_);
     take_report(placement);
@@ -124,7 +130,6 @@ private:
 
   void take_report(const Node_placement& placement)
   {
-    report_.surface.pinned_edges = placement.pinned_edges();
     report_.surface.shared_edges = placement.shared_edges();
     report_.moved_edge_nodes = placement.moved_edge_nodes();
     report_.moved_face_nodes = placement.moved_face_nodes();

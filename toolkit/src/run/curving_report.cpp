@@ -37,6 +37,7 @@ Json json_of(const Curving_options& options)
 {
   return {{"degree", options.degree},
           {"fit_degree", options.effective_fit_degree()},
+          {"largest_displacement", options.largest_displacement},
           {"curve", options.curve},
           {"keep", options.keep},
           {"detect_features", options.detect_features},
@@ -77,7 +78,6 @@ Json json_of(const Surface_summary& surface)
           {"repeated_faces", surface.repeated_faces},
           {"collapsed_faces", surface.collapsed_faces},
           {"turned_faces", surface.turned_faces},
-          {"pinned_edges", surface.pinned_edges},
           {"shared_edges", surface.shared_edges},
           {"notes", surface.notes}};
 }

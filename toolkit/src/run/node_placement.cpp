@@ -43,8 +43,7 @@ struct Cell_table
 
 } // namespace
 
-Node_placement::Node_placement(Curved_mesh& mesh, const Boundary_faces& boundary, const Face_selection& selection,
-                               std::vector<Cell_face> owners)
+Node_placement::Node_placement(Curved_mesh& mesh, std::vector<Cell_face> owners)
   : mesh_(mesh), owners_(std::move(owners)), states_(mesh.nodes.size(), Node_state::straight),
     occurrences_(mesh.nodes.size(), 0)
 {
@@ -60,7 +59,6 @@ Node_placement::Node_placement(Curved_mesh& mesh, const Boundary_faces& boundary
     cell_types_.push_back(section->type);
   }
   tabulate_edges();
-  fix_kept_faces(boundary, selection);
 }
 
 void Node_placement::tabulate_edges()
@@ -87,23 +85,6 @@ void Node_placement::tabulate_edges()
             entry = {first + mesh_.degree - 2, -1};
         }
       }
-    }
-  }
-}
-
-void Node_placement::fix_kept_faces(const Boundary_faces& boundary, const Face_selection& selection)
-{
-  for (std::size_t z = 0; z < mesh_.zones.size(); ++z)
-  {
-    std::size_t face = 0;
-    for (const Curved_section& section : mesh_.zones[z].faces)
-    {
-      const auto count = static_cast<std::size_t>(node_count(section.type, mesh_.degree));
-      const auto corners = static_cast<std::size_t>(recurve::corner_count(section.type));
-      for (std::size_t first = 0; first < section.nodes.size(); first += count, ++face)
-        if (selection[z][face] == 0 && place_of(boundary.owners[z][face]) == Face_place::boundary)
-          for (std::size_t n = first + corners; n < first + count; ++n)
-            states_[static_cast<std::size_t>(section.nodes[n])] = Node_state::fixed;
     }
   }
 }
@@ -146,7 +127,6 @@ void Node_placement::count_edge(Index face, int corner)
   // An edge is known by the smaller of its outermost nodes, from whichever end it is seen.
   const Index node = std::min(edge_node(face, corner, 1), edge_node(face, corner, mesh_.degree - 1));
   const auto n = static_cast<std::size_t>(node);
-  pinned_edges_ += states_[n] == Node_state::fixed && occurrences_[n] == 0;
   if (occurrences_[n] < std::numeric_limits<std::uint8_t>::max())
     ++occurrences_[n];
   if (occurrences_[n] < 2)
@@ -164,8 +144,6 @@ void Node_placement::count_edge(Index face, int corner)
 void Node_placement::put_edge_node(Index face, int corner, int k, const Point& position)
 {
   const Index node = edge_node(face, corner, k);
-  if (states_[static_cast<std::size_t>(node)] == Node_state::fixed)
-    return;
   const auto shared = shared_nodes_.find(node);
   if (shared == shared_nodes_.end())
   {
@@ -177,18 +155,8 @@ void Node_placement::put_edge_node(Index face, int corner, int k, const Point& p
     shared->second.sum[c] += position[c] - mesh_.nodes[static_cast<std::size_t>(node)][c];
 }
 
-bool Node_placement::has_fixed_edge(Index face) const
-{
-  for (int corner = 0; corner < corner_count(face); ++corner)
-    if (states_[static_cast<std::size_t>(edge_node(face, corner, 1))] == Node_state::fixed)
-      return true;
-  return false;
-}
-
 void Node_placement::put_face_node(Index face, int m, const Point& position)
 {
-  if (has_fixed_edge(face))
-    return;
   const auto f = static_cast<std::size_t>(face);
   double longest_edge = 0;
   for (int corner = 0; corner < corner_count(face); ++corner)

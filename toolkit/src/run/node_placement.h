@@ -3,7 +3,6 @@
 
 #include <recurve/mesh/boundary_faces.h>
 #include <recurve/mesh/curved_mesh.h>
-#include <recurve/run/select_patches.h>
 #include <recurve/volume/node_state.h>
 
 #include <array>
@@ -25,17 +24,14 @@ struct Way
 /// Puts the nodes of a curved surface into the mesh. A node on an edge is named by a face, the corner at which the edge
 /// starts in that face, and its number from there on.
 ///
-/// Nodes that also belong to a boundary face that is kept are fixed: what is put there is dropped, and so are the nodes
-/// inside a face with such an edge, which blending then fills in after the other edges. An edge that occurs several
-/// times in the surface (of more than two faces) takes the mean of all its occurrences.
+/// An edge that occurs several times in the surface (of more than two faces) takes the mean of all its occurrences.
 class Node_placement
 {
 public:
   /// \param mesh      elevated mesh, every node at its straight-sided position.
   /// \param owners    per face of the surface the cell whose Reference_face corners are the face's, in their order.
   /// \pre mesh.degree >= 2
-  Node_placement(Curved_mesh& mesh, const Boundary_faces& boundary, const Face_selection& selection,
-                 std::vector<Cell_face> owners);
+  Node_placement(Curved_mesh& mesh, std::vector<Cell_face> owners);
 
   /// tells of an edge of the surface, each once, before nodes are put.
   void count_edge(Index face, int corner);
@@ -50,7 +46,6 @@ public:
   void finish();
 
   std::vector<Node_state>& states() { return states_; }
-  Index pinned_edges() const { return pinned_edges_; }
   Index shared_edges() const { return shared_edges_; }
   Index moved_edge_nodes() const { return moved_edge_nodes_; }
   Index moved_face_nodes() const { return moved_face_nodes_; }
@@ -67,12 +62,10 @@ private:
   using Cell_edges = std::array<std::array<Face_edge, 4>, 6>; ///< by face and corner
 
   void tabulate_edges();
-  void fix_kept_faces(const Boundary_faces& boundary, const Face_selection& selection);
   const Face_edge& face_edge(Index face, int corner) const;
   Index edge_node(Index face, int corner, int k) const;
   Index corner_node(Index face, int corner) const;
   int corner_count(Index face) const;
-  bool has_fixed_edge(Index face) const;
   double edge_length(Index face, int corner) const;
   void move(Index node, const Point& position, Index face, double length);
 
@@ -91,7 +84,7 @@ private:
     double length = 0; ///< of the edge
   };
   std::map<Index, Shared_node> shared_nodes_;
-  Index pinned_edges_ = 0, shared_edges_ = 0, moved_edge_nodes_ = 0, moved_face_nodes_ = 0;
+  Index shared_edges_ = 0, moved_edge_nodes_ = 0, moved_face_nodes_ = 0;
   Way longest_way_, longest_relative_way_;
 };
 

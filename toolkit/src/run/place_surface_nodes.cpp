@@ -97,7 +97,10 @@ void place_surface_nodes(const Boundary_surface& surface, const Curving_options&
   std::vector<Local_fit> fit_values(mesh.number_of_faces());
   const auto fits = boost::make_iterator_property_map(fit_values.begin(), get(boost::face_index, mesh), Local_fit());
   report.fits = run_stage("reconstruct surface", report.stages, progress, [&] {
-    return reconstruct_surface(mesh, fits, {.degree = options.effective_fit_degree(), .progress = progress},
+    return reconstruct_surface(mesh, fits,
+                               {.degree = options.effective_fit_degree(),
+                                .largest_displacement = options.largest_displacement,
+                                .progress = progress},
                                CGAL::parameters::edge_is_constrained_map(surface.edge_is_critical)
                                  .vertex_is_constrained_map(surface.vertex_is_sharp));
   });
@@ -105,7 +108,9 @@ void place_surface_nodes(const Boundary_surface& surface, const Curving_options&
     count_edges(mesh, placement);
     const auto curves = trace_feature_curves(mesh, surface.edge_is_critical, surface.vertex_is_sharp);
     curve_surface(mesh, fits, curves, Edge_nodes{&mesh, &placement, options.degree}, Face_nodes{&placement},
-                  {.degree = options.degree, .progress = progress});
+                  {.degree = options.degree,
+                   .curve_fit = {.method = Curve_method::automatic, .degree = options.effective_fit_degree()},
+                   .progress = progress});
     placement.finish();
   });
 }

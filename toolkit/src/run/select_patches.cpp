@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <numeric>
 #include <set>
-#include <tuple>
 #include <utility>
 
 namespace recurve {
@@ -104,15 +103,6 @@ std::vector<std::vector<bool>> find_matches(const Volume_mesh& mesh, const std::
   return result;
 }
 
-/// the two cells at a face inside the mesh, the same from either side.
-using Face_key = std::tuple<Index, Index, int>;
-
-Face_key key_of(const Face_owners& owners)
-{
-  const auto key = [](const Cell_face& face) { return Face_key(face.zone, face.cell, face.face); };
-  return std::min(key(owners.first), key(owners.second));
-}
-
 } // namespace
 
 Face_selection select_patches(const Volume_mesh& mesh, const Boundary_faces& faces,
@@ -120,7 +110,6 @@ Face_selection select_patches(const Volume_mesh& mesh, const Boundary_faces& fac
 {
   const auto is_named = find_matches(mesh, curve);
   const auto is_kept = find_matches(mesh, keep);
-  std::set<Face_key> inner_faces;
   Face_selection selection;
   for (std::size_t z = 0; z < mesh.zones.size(); ++z)
   {
@@ -132,10 +121,8 @@ Face_selection select_patches(const Volume_mesh& mesh, const Boundary_faces& fac
         continue;
       for (Index face : mesh.zones[z].patches[p].faces)
       {
-        const Face_owners& sides = owners[static_cast<std::size_t>(face)];
-        const bool is_inside = sides.second.cell != no_index;
-        if (sides.first.cell != no_index &&
-            (!is_inside || (is_named[z][p] && inner_faces.insert(key_of(sides)).second)))
+        const Face_place place = place_of(owners[static_cast<std::size_t>(face)]);
+        if (place == Face_place::boundary || (place != Face_place::nowhere && is_named[z][p]))
           selection[z][static_cast<std::size_t>(face)] = 1;
       }
     }

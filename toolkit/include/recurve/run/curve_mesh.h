@@ -13,9 +13,9 @@ namespace recurve {
 /// The zones are joined where they touch, the selected patches of all zones become one surface, its features are found,
 /// polynomials fitted and the nodes of degree `options.degree` placed on edges and faces; the nodes inside faces and
 /// cells follow by blending. Corners never move, and a cell none of whose nodes moved is marked straight and has each
-/// node where the straight-sided cell has it, to the bit. An edge of a curved patch that also belongs to a boundary
-/// patch that is kept stays straight. An edge where more than two curved faces meet takes the mean of what the faces
-/// ask for.
+/// node where the straight-sided cell has it, to the bit. The rim of a curved patch is a feature curve, also where a
+/// patch that is kept begins: the first faces of that one follow the rim, a planar one within its plane. An edge where
+/// more than two curved faces meet takes the mean of what the faces ask for.
 ///
 /// Nothing depends on the unit or the place of the mesh. The result is the same, bit by bit, for any number of threads.
 ///

@@ -17,6 +17,11 @@ struct Curving_options
 
   int fit_degree = 0; ///< degree d of the local polynomials, 1 to 6; 0: max(2, degree)
 
+  /// a fit that moves its face farther than this is taken at a lower degree; in sizes of the face (largest distance of
+  /// a corner from the centre). Half a size is the rise of an arc of more than 100 degrees over one face: beyond it the
+  /// fit oscillates.
+  double largest_displacement = 0.5;
+
   /// patches to curve, as `select_patches()` takes them; empty: all that bound the mesh. Patches inside the mesh
   /// (two-sided ones and zone interfaces) are curved only if named here.
   std::vector<std::string> curve = {};

@@ -44,7 +44,6 @@ struct Surface_summary
   Index repeated_faces = 0;  ///< faces left out, as another one is the same or its other side
   Index collapsed_faces = 0; ///< faces left out, as corners of theirs are one vertex
   Index turned_faces = 0;    ///< faces inside the volume that took their other side to fit their neighbours
-  Index pinned_edges = 0;    ///< edges that stayed straight since they also belong to a boundary patch that is kept
   Index shared_edges = 0;    ///< edges that stand for several of the surface; they took the mean of what those ask for
   std::vector<std::string> notes; ///< the first few places where the surface is no manifold
 };

@@ -17,8 +17,8 @@ using Face_selection = std::vector<std::vector<std::uint8_t>>;
 /// zones it occurs), "zone/patch", or the name of a family, which means its patches; each may hold the wildcards of the
 /// shell: `*`, `?` and `[...]`. An exact name goes before a wildcard.
 ///
-/// If `curve` is empty, all faces on the boundary are picked, and none inside the mesh. Of a face that two zones list,
-/// only the first is picked, so that no surface is taken twice; faces without a cell are never picked.
+/// If `curve` is empty, all faces on the boundary are picked, and none inside the mesh; what lies inside (two-sided
+/// patches, interfaces of zones) is picked only if it is named. Faces without a cell are never picked.
 ///
 /// \throws Input_error for an entry that matches nothing, with the names that are nearest and all that there are.
 Face_selection select_patches(const Volume_mesh& mesh, const Boundary_faces& faces,
