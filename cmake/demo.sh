@@ -2,7 +2,7 @@
 # Curves the wing of data/ and draws it before and after, on a bare Debian 12 machine too: sh cmake/demo.sh [degree]
 set -eu
 cd "$(dirname "$0")/.."
-degree=${1:-3}
+degree=${1:-2}
 demo=build/demo
 
 step() { printf '\n== %s\n' "$*"; }
@@ -16,13 +16,13 @@ cmake --build --preset release --target recurve_program
 
 step "curve the wing"
 mkdir -p "$demo"
-build/release/toolkit/apps/recurve curve data/wing_tetrahedra.cgns "$demo/wing_curved.cgns" --degree "$degree" \
-  --curve 'wing_*' --report "$demo/wing_report.json"
+build/release/toolkit/apps/recurve curve data/wing_tetrahedra.cgns "$demo/wing_curved.cgns" \
+  --degree "$degree" --report "$demo/wing_report.json"
 
 step "pictures"
 # Debian's own Python: another one on the path would not see its packages.
 /usr/bin/python3 toolkit/doc/render.py data/wing_tetrahedra.cgns "$demo/wing_curved.cgns" "$demo" \
-  --patch 'wing_*' --at 0.56 1.4 0 --from -1.6 2.2 1 --width 0.35
+  --patch 'wing_*' --at 0.515 1.47 0 --from 0.1 2.3 0.25 --width 0.12 --section 0.03 0.08
 
 step "done"
 echo "curved mesh  $demo/wing_curved.cgns"

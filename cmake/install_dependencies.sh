@@ -10,10 +10,11 @@
 # Without an argument: all of them. Needs root, or sudo. Does nothing when everything is there already.
 set -eu
 
-build="g++ cmake ninja-build ccache libcgal-dev libeigen3-dev libboost-dev libboost-graph-dev libtbb-dev libcgns-dev
-       libhdf5-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libfmt-dev"
-pictures="python3 python3-numpy python3-matplotlib"
-test="$pictures catch2 libopenmesh-dev libtet1.5-dev python3-vtk9 python3-gmsh python3-h5py cgns-convert clang-format"
+build="g++ cmake ninja-build ccache libcgal-dev libeigen3-dev libboost-dev libtbb-dev libcgns-dev
+       libcli11-dev nlohmann-json3-dev libfmt-dev libtomlplusplus-dev"
+pictures="python3 python3-numpy python3-h5py python3-matplotlib"
+test="python3 python3-numpy python3-h5py python3-vtk9 catch2 libopenmesh-dev libtet1.5-dev cgns-convert
+      clang-format"
 
 fail() {
   echo "install_dependencies.sh: $*" >&2
@@ -37,7 +38,7 @@ missing=""
 for package in $packages; do
   case "$(dpkg-query -W -f '${Status}' "$package" 2>/dev/null)" in
   "install ok installed") ;;
-  *) missing="$missing $package" ;;
+  *) case "$missing " in *" $package "*) ;; *) missing="$missing $package" ;; esac ;;
   esac
 done
 [ -n "$missing" ] || exit 0

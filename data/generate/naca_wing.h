@@ -36,7 +36,7 @@ struct Wing_mesh_options
 {
   Wing_geometry geometry;
   int chord_segments = 16; ///< on each side; half by arc length, half by turning, so that the leading edge is resolved
-  int span_segments = 16;
+  int span_segments = 32;
   int symmetry_rings = 9;         ///< rings of triangles between root section and far field
   double radius_edge_ratio = 1.6; ///< of the tetrahedra; see fill_with_tetrahedra()
 };

@@ -72,6 +72,7 @@ class Command_line(unittest.TestCase):
         for option in ("--degree", "--fit-degree", "--curve", "--keep", "--features", "--feature-angle", "--report",
                        "--threads", "--quiet"):
             self.assertIn(option, recurve("curve", "--help").stdout)
+        self.assertIn("--output", recurve("features", "--help").stdout)
         self.assertRegex(recurve("--version").stdout, r"^recurve \d+\.\d+\.\d+\n$")
 
     # The command line itself.
@@ -192,7 +193,53 @@ class Command_line(unittest.TestCase):
         for word in (b"read", b"reconstruct surface", b"write", b"100 %", b"\r"):
             self.assertIn(word, text)
 
+    def test_features(self):
+        run = recurve("features", self.mesh)
+        self.assertEqual((run.returncode, run.stderr), (DONE, ""))
+        self.assertIn("48 critical edges, 12 curves, 8 sharp vertices", run.stdout)
+        edits, table, curves = (self.folder / f"edges.{kind}" for kind in ("toml", "csv", "vtp"))
+        for file in (edits, table, curves):
+            run = recurve("features", self.mesh, "-o", file, "--quiet")
+            self.assertEqual((run.returncode, run.stdout, run.stderr), (DONE, "", ""))
+        rows = numpy.genfromtxt(table, delimiter=",", names=True)
+        self.assertEqual(rows.dtype.names, ("x1", "y1", "z1", "x2", "y2", "z2", "curve"))
+        self.assertEqual(len(rows), 48)
+        self.assertEqual(set(rows["curve"]), set(range(12)))
+        # On an edge of the box two coordinates are 2 in size at both ends.
+        for row in rows:
+            ends = [(row[c + "1"], row[c + "2"]) for c in "xyz"]
+            self.assertEqual(sum(abs(abs(a) - 2) < 1e-12 and abs(a - b) < 1e-12 for a, b in ends), 2)
+
+        # The file gives the same edges again, and the same mesh.
+        again = self.folder / "again.csv"
+        self.assertEqual(recurve("features", self.mesh, "--features", edits, "-o", again).returncode, DONE)
+        self.assertEqual(again.read_bytes(), table.read_bytes())
+        points = []
+        for arguments in ([], ["--features", edits]):
+            self.assertEqual(recurve("curve", self.mesh, self.out, *arguments).returncode, DONE)
+            with h5py.File(self.out) as file:
+                points.append([file[f"Base/shell/GridCoordinates/Coordinate{c}/ data"][:] for c in "XYZ"])
+        self.assertTrue(numpy.array_equal(points[0], points[1]))
+        run = recurve("features", self.mesh, "--features", "none")
+        self.assertIn("0 critical edges", run.stdout)
+
+        # Edits after the detection.
+        edits.write_text('start = "auto"\n[[edit]]\naction = "remove"\nbox = [[-3, -3, -3], [3, 3, 0]]\n')
+        self.assertIn("24 critical edges", recurve("features", self.mesh, "--features", edits).stdout.split("\n")[0])
+
     # What does not.
+
+    def test_feature_files_that_cannot_be(self):
+        edits = self.folder / "edges.toml"
+        for text, words in (("start = ", ("edges.toml, line 1",)), ("\nbegin = 1", ("edges.toml, line 2", "begin")),
+                            ('[[edit]]\naction = "add"\nchain = [[0, 0, 0], [9, 9, 9]]\n',
+                             ("edges.toml, line 1", "no vertex", "nearest"))):
+            edits.write_text(text)
+            self.assert_refuses(BAD_INPUT, *words, arguments=["--features", edits])
+            self.assert_fails(recurve("features", self.mesh, "--features", edits), BAD_INPUT, *words)
+        self.assert_refuses(USAGE, "--features", "somehow", arguments=["--features", "somehow"])
+        self.assert_fails(recurve("features", self.mesh, "-o", self.folder / "edges.xls"), USAGE, ".toml, .csv or .vtp")
+        self.assert_fails(recurve("features", self.mesh, "-o", self.mesh), USAGE)
 
     def test_patch_that_does_not_exist(self):
         self.assert_refuses(BAD_INPUT, '"spere"', 'did you mean "sphere"', "outer", arguments=["--curve", "spere"])
@@ -278,32 +325,40 @@ class Command_line(unittest.TestCase):
                 self.assertNotIn(".part", run.stderr)
                 self.assertEqual(self.files(), before)
 
+    def interrupt(self, stage, signals):
+        """sends Ctrl-C when the progress bar names `stage`; returns exit status and what stood on the terminal"""
+        leader, follower = pty.openpty()
+        run = subprocess.Popen([RECURVE, "curve", str(self.samples / "large.cgns"), str(self.out), "--degree", "3",
+                                "--report", str(self.report)], stderr=follower, stdout=subprocess.DEVNULL)
+        os.close(follower)
+        text, is_sent = b"", False
+        while True:
+            try:
+                part = os.read(leader, 65536)
+            except OSError:  # the other end is closed
+                break
+            if not part:
+                break
+            text += part
+            if not is_sent and stage in text:
+                is_sent = True
+                for _ in range(signals):
+                    run.send_signal(signal.SIGINT)
+                    time.sleep(0.01)
+        os.close(leader)
+        self.assertTrue(is_sent)
+        return run.wait(), text
+
     def test_interrupt(self):
-        large = self.samples / "large.cgns"
-        arguments = [RECURVE, "curve", str(large), str(self.out), "--degree", "4", "--report", str(self.report)]
-        started = time.monotonic()
-        subprocess.run(arguments, check=True, capture_output=True)
-        whole = time.monotonic() - started
-        self.out.unlink()
-        self.report.unlink()
-        for part in (0.2, 0.5, 0.8):
-            run = subprocess.Popen(arguments, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-            time.sleep(part * whole)
-            run.send_signal(signal.SIGINT)
-            _, message = run.communicate(timeout=300)
-            self.assertEqual(run.returncode, INTERRUPTED, message)
-            self.assertEqual(message.count("\n"), 1)
-            self.assertTrue(message.startswith("recurve: interrupted"), message)
+        for stage in (b"check cells", b"raise degree", b"write"):
+            status, text = self.interrupt(stage, 1)
+            self.assertEqual(status, INTERRUPTED, text)
+            self.assertIn(b"\nrecurve: interrupted", text)
             self.assertEqual(self.files(), ["shell.cgns"])
-            # A second Ctrl-C does not wait for the next step.
-            run = subprocess.Popen(arguments, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-            time.sleep(part * whole)
-            run.send_signal(signal.SIGINT)
-            time.sleep(0.001)
-            run.send_signal(signal.SIGINT)
-            run.communicate(timeout=300)
-            self.assertEqual(run.returncode, INTERRUPTED)
-            self.assertEqual(self.files(), ["shell.cgns"])
+        # A second Ctrl-C does not wait for the next step.
+        status, text = self.interrupt(b"raise degree", 2)
+        self.assertEqual(status, INTERRUPTED, text)
+        self.assertEqual(self.files(), ["shell.cgns"])
 
 
 if __name__ == "__main__":

@@ -23,7 +23,7 @@ try
     write_cgns(elevate(std::move(mesh), joined, 1), folder / name);
   };
   write({4, 2, Element_type::hexahedron, test::Outer_shape::box}, "shell.cgns");
-  write({30, 10, Element_type::tetrahedron, test::Outer_shape::sphere}, "large.cgns");
+  write({24, 10, Element_type::tetrahedron, test::Outer_shape::sphere}, "large.cgns");
 }
 catch (const std::exception& error)
 {

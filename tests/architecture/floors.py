@@ -62,7 +62,7 @@ FOREIGN_IN_SOURCES = {
     "mesh": {"Eigen", "TBB", "fmt"},
     "features": {"CGAL", "Boost"},
     "surface": {"CGAL", "Eigen", "Boost", "TBB"},
-    "volume": {"Eigen", "TBB"},
+    "volume": {"Boost", "Eigen", "TBB"},
     "io": {"CGNS", "HDF5", "Eigen", "TBB", "fmt"},
     "run": {"CGAL", "Eigen", "Boost", "TBB", "fmt", "json", "toml++"},
     "": set(),

@@ -29,9 +29,9 @@ std::vector<Stored_mesh> stored_meshes()
   const test::Exact_geometry sphere = test::sphere_geometry();
   return {
     {"wing_tetrahedra.cgns",
-     1867,
-     {{tetrahedron, 8571}},
-     {{"wing_upper", 512}, {"wing_lower", 512}, {"wing_tip", 30}, {"symmetry", 576}, {"farfield", 480}},
+     2994,
+     {{tetrahedron, 14268}},
+     {{"wing_upper", 1024}, {"wing_lower", 1024}, {"wing_tip", 30}, {"symmetry", 576}, {"farfield", 480}},
      test::wing_geometry(),
      5},
     {"sphere_tetrahedra.cgns", 555, {{tetrahedron, 2216}}, {{"sphere", 320}, {"box", 432}}, sphere, 2},

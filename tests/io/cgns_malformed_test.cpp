@@ -189,6 +189,12 @@ std::vector<Fault> faults()
        e.template set<I4>("/Base/Zone/ZoneBC/by element/PointRange", "I4", {5, 2000000000}, {1, 2});
      }),
      {"'by element'", "element 17"}},
+    {"condition on half a range",
+     edit([](auto& e) {
+       e.rename("/Base/Zone/ZoneBC/by element", "PointList", "PointRange");
+       e.template set<I4>("/Base/Zone/ZoneBC/by element/PointRange", "I4", {5}, {1, 1});
+     }),
+     {"'by element'", "range of 1 numbers"}},
     {"condition on a missing point",
      edit([](auto& e) {
        e.template set<I4>("/Base/Zone/ZoneBC/by point/PointList", "I4", {1, 2, 3, 17}, {1, 4});

@@ -453,6 +453,10 @@ TEST_CASE("read_cgns turns structured zones into hexahedra with patches and inte
                           transform.data(), &index) == CG_OK);
     raw.structured_zone("b", 3, 2, 3);
     raw.coordinates(points_b);
+    const std::array<cgsize_t, 6> low_k = {1, 1, 1, 3, 2, 1};
+    const Numbers there = {4, 3, 2, 4, 2, 2, 4, 1, 2, 4, 3, 1, 4, 2, 1, 4, 1, 1}; // (i, j, k) of zone "a"
+    REQUIRE(cg_conn_write(raw.number, raw.base_number, raw.zone_number, "b to a", Vertex, Abutting1to1, PointRange, 2,
+                          low_k.data(), "a", Structured, PointListDonor, Integer, 6, there.data(), &index) == CG_OK);
   }
   Read_report report;
   const Volume_mesh mesh = read_cgns(folder / "mesh.cgns", &report);
@@ -511,6 +515,11 @@ TEST_CASE("read_cgns turns structured zones into hexahedra with patches and inte
   REQUIRE(interface.donor_points.size() == 6);
   for (std::size_t m = 0; m < 6; ++m) // paired points are the same point
     CHECK(a.points[std::size_t(interface.points[m])] == b.points[std::size_t(interface.donor_points[m])]);
+  REQUIRE(b.interfaces.size() == 1);
+  REQUIRE(b.interfaces[0].points.size() == 6);
+  REQUIRE(b.interfaces[0].donor_points.size() == 6);
+  for (std::size_t m = 0; m < 6; ++m)
+    CHECK(b.points[std::size_t(b.interfaces[0].points[m])] == a.points[std::size_t(b.interfaces[0].donor_points[m])]);
 }
 
 TEST_CASE("read_cgns strips the rind of structured zones")

@@ -19,7 +19,7 @@ namespace {
 
 fs::path empty_folder()
 {
-  const fs::path folder = fs::temp_directory_path() / ("recurve_mesh_io_" + std::to_string(getpid()));
+  fs::path folder = fs::temp_directory_path() / ("recurve_mesh_io_" + std::to_string(getpid()));
   fs::remove_all(folder);
   fs::create_directories(folder);
   return folder;

@@ -197,6 +197,22 @@ std::string describe(const Mesh_summary& summary, const std::vector<std::string>
   return text;
 }
 
+std::string describe(const Feature_listing& listing)
+{
+  const Feature_report& report = listing.report;
+  std::string text = fmt::format("{}, {}, {}\n", counted(report.critical_edges, "critical edge", "critical edges"),
+                                 counted(static_cast<Index>(report.curves.size()), "curve", "curves"),
+                                 counted(report.sharp_vertices, "sharp vertex", "sharp vertices"));
+  if (report.curves.empty())
+    return text;
+  std::vector<std::vector<std::string>> rows = {{"curve", "edges", "length", "largest angle", "from", "to"}};
+  for (const Feature_curve_summary& curve : report.curves)
+    rows.push_back({std::to_string(rows.size() - 1), grouped(curve.edges), fmt::format("{:.6g}", curve.length),
+                    curve.is_pinned ? "border" : fmt::format("{:.1f}", curve.max_dihedral), at_point(curve.first_point),
+                    curve.is_closed ? "closed" : at_point(curve.last_point)});
+  return text + "\n" + table(rows);
+}
+
 std::string describe(const Curving_report& report)
 {
   const Mesh_summary& mesh = report.mesh;

@@ -6,6 +6,8 @@
 #include <recurve/core/exceptions.h>
 #include <recurve/io/mesh_io.h>
 #include <recurve/run/curve_mesh.h>
+#include <recurve/run/feature_file.h>
+#include <recurve/run/list_features.h>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -90,6 +92,15 @@ struct Curve_command
   bool is_quiet = false;
 };
 
+struct Features_command
+{
+  fs::path input, output;
+  recurve::Curving_options options;
+  std::string features = "auto";
+  std::optional<double> feature_angle;
+  bool is_quiet = false;
+};
+
 struct Info_command
 {
   fs::path input;
@@ -142,6 +153,23 @@ void check_files(const Curve_command& command)
   if (!command.report.empty() &&
       (is_same_file(command.report, command.input) || is_same_file(command.report, command.output)))
     throw Usage_error(fmt::format("{}: the report needs a file of its own", command.report.string()));
+}
+
+void check_files(const Features_command& command)
+{
+  if (command.output.empty())
+    return;
+  try
+  {
+    recurve::check_feature_extension(command.output);
+  }
+  catch (const recurve::Input_error& error)
+  {
+    throw Usage_error(error.what());
+  }
+  if (is_same_file(command.input, command.output))
+    throw Usage_error(
+      fmt::format("{}: output and input are the same file; the input is never overwritten", command.output.string()));
 }
 
 /// A stream or device such as /dev/stdout cannot be renamed into place; it is written directly.
@@ -223,6 +251,24 @@ void run(Curve_command& command)
     fmt::print("{}", describe(report));
 }
 
+void run(const Features_command& command)
+{
+  using namespace recurve;
+  Progress_bar bar(!command.is_quiet);
+  const Progress_callback progress = callback_of(bar);
+  Read_report read_report;
+  std::vector<Stage_time> times;
+  Volume_mesh mesh =
+    run_stage("read", times, progress, [&] { return read_mesh(command.input, &read_report, progress); });
+  const Feature_listing listing =
+    naming(command.input, [&] { return list_features(std::move(mesh), command.options, progress); });
+  if (!command.output.empty())
+    write_features(listing, command.output);
+  bar.finish();
+  if (!command.is_quiet)
+    fmt::print("{}: {}", command.input.string(), describe(listing));
+}
+
 void run(const Info_command& command)
 {
   using namespace recurve;
@@ -259,11 +305,38 @@ constexpr const char* examples =
   "                                                  only these patches; what happened goes to a file\n"
   "  recurve curve wing.cgns curved.cgns --keep farfield,symmetry\n"
   "                                                  all but these\n"
+  "  recurve features wing.cgns -o edges.toml        its sharp edges: as text to edit, .csv or .vtp\n"
+  "  recurve curve wing.cgns curved.cgns --features edges.toml\n"
+  "                                                  with the edges that the file says\n"
   "\n"
   "Formats by extension: .cgns (read; written up to degree 4), .vtu (written up to degree 6).\n"
   "Exit status: 0 done, 1 wrong command line, 2 bad input or a file that cannot be written, 130 interrupted.\n"
   "The output appears when it is complete; after a failure there is none. The input is never changed.\n"
   "Whether the curved cells are valid is not checked yet; the report says so.";
+
+/// what curve and features have in common: the choice of patches and of sharp edges.
+template <class Command>
+void add_surface_options(CLI::App& app, Command& command)
+{
+  app
+    .add_option("--curve", command.options.curve,
+                "patches to curve, separated by commas: NAME, ZONE/NAME or a family, with wildcards * ? [] "
+                "(default: all on the boundary)")
+    ->type_name("PATCH")
+    ->delimiter(',');
+  app.add_option("--keep", command.options.keep, "patches that stay straight, named in the same way")
+    ->type_name("PATCH")
+    ->delimiter(',');
+  app
+    .add_option("--features", command.features,
+                "auto: find sharp edges and corners; none: smooth everywhere; a TOML file: as its edits say")
+    ->type_name("auto|none|FILE")
+    ->capture_default_str();
+  app
+    .add_option("--feature-angle", command.feature_angle,
+                "instead of auto: every edge whose faces turn by more than this many degrees is sharp, no other")
+    ->check(CLI::Range(0.0, 180.0));
+}
 
 void add_curve_command(CLI::App& app, Curve_command& command)
 {
@@ -278,26 +351,23 @@ void add_curve_command(CLI::App& app, Curve_command& command)
     ->add_option("-d,--fit-degree", command.options.fit_degree,
                  "degree of the polynomials fitted to the surface (default: the degree of the elements, at least 2)")
     ->check(CLI::Range(1, recurve::max_degree));
-  curve
-    ->add_option("--curve", command.options.curve,
-                 "patches to curve, separated by commas: NAME, ZONE/NAME or a family, with wildcards * ? [] "
-                 "(default: all on the boundary)")
-    ->type_name("PATCH")
-    ->delimiter(',');
-  curve->add_option("--keep", command.options.keep, "patches that stay straight, named in the same way")
-    ->type_name("PATCH")
-    ->delimiter(',');
-  curve->add_option("--features", command.features, "auto: find sharp edges and corners; none: smooth everywhere")
-    ->check(CLI::IsMember({"auto", "none"}))
-    ->capture_default_str();
-  curve
-    ->add_option("--feature-angle", command.feature_angle,
-                 "instead of auto: every edge whose faces turn by more than this many degrees is sharp, no other")
-    ->check(CLI::Range(0.0, 180.0));
+  add_surface_options(*curve, command);
   curve->add_option("--report", command.report, "write what happened as JSON")->type_name("FILE.json");
   curve->add_option("--threads", command.options.threads, "largest number of threads (default: all)")
     ->check(CLI::Range(1, 4096));
   curve->add_flag("-q,--quiet", command.is_quiet, "no progress bar and no summary");
+}
+
+void add_features_command(CLI::App& app, Features_command& command)
+{
+  CLI::App* features = app.add_subcommand("features", "list the sharp edges of a mesh: recurve features IN [-o FILE]");
+  features->add_option("IN", command.input, "linear mesh to read")->required();
+  features
+    ->add_option("-o,--output", command.output,
+                 "write them: .toml (edits that give the same edges again), .csv (one edge a line) or .vtp")
+    ->type_name("FILE");
+  add_surface_options(*features, command);
+  features->add_flag("-q,--quiet", command.is_quiet, "no progress bar and no list");
 }
 
 void add_info_command(CLI::App& app, Info_command& command)
@@ -307,11 +377,18 @@ void add_info_command(CLI::App& app, Info_command& command)
   info->add_flag("--json", command.as_json, "as JSON");
 }
 
-void finish_options(Curve_command& command)
+template <class Command>
+void finish_options(Command& command)
 {
+  std::error_code ignored;
   if (command.features == "none" && command.feature_angle)
     throw Usage_error("--features none and --feature-angle exclude each other");
-  command.options.detect_features = command.features != "none";
+  if (command.features == "none")
+    command.options.features.method = recurve::Feature_method::none;
+  else if (command.features != "auto" && !fs::exists(command.features, ignored))
+    throw Usage_error(fmt::format("--features takes auto, none or a file; there is no file {}", command.features));
+  else if (command.features != "auto")
+    command.options.feature_edits = recurve::read_feature_file(command.features);
   if (command.feature_angle)
   {
     command.options.features.method = recurve::Feature_method::dihedral;
@@ -337,19 +414,21 @@ std::string parse_message(const CLI::App& app, const CLI::ParseError& error, int
   std::string message = error.what();
   const auto is_named = [&](const CLI::App* command) { return argc > 1 && command->check_name(argv[1]); };
   if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(is_named).empty())
-    message = fmt::format("\"{}\" is not a command; commands are curve and info", argv[1]);
+    message = fmt::format("\"{}\" is not a command; commands are curve, features and info", argv[1]);
   return fmt::format("{} (recurve --help explains)", message);
 }
 
 int run_program(int argc, char** argv)
 {
   Curve_command curve;
+  Features_command features;
   Info_command info;
   CLI::App app(description, "recurve");
   app.footer(examples);
   app.require_subcommand(1);
   app.set_version_flag("--version", "recurve " RECURVE_VERSION);
   add_curve_command(app, curve);
+  add_features_command(app, features);
   add_info_command(app, info);
   try
   {
@@ -363,6 +442,12 @@ int run_program(int argc, char** argv)
   }
   if (app.got_subcommand("info"))
     run(info);
+  else if (app.got_subcommand("features"))
+  {
+    finish_options(features);
+    check_files(features);
+    run(features);
+  }
   else
   {
     finish_options(curve);

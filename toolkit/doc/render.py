@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """Draws a mesh before and after curving, without a display.
 
-usage: render.py BEFORE.cgns AFTER.cgns DIRECTORY [--patch NAME ...] [--at X Y Z] [--width W] [--from X Y Z]
+usage: render.py BEFORE.cgns AFTER.cgns DIRECTORY [--patch NAME ...] [--at X Y Z] [--from X Y Z] [--width W]
+                 [--section X WIDTH]
 
 Writes before.png and after.png: the boundary faces of the patches (names or wildcards; default: all), seen along the direction
 from --from to --at, W wide, each element as its polynomial is, edges of elements in dark; and section.png: the edges
-of the same patches in the plane y = 0 around --at, both meshes in one plot. Needs numpy, h5py and matplotlib.
+of the same patches in the plane y = 0 around (X, 0, 0), both meshes in one plot. Needs numpy, h5py and matplotlib.
 """
 import argparse
 import fnmatch
@@ -163,7 +164,7 @@ class Picture:
         visible = (lengths > 0) & (high > 0).all(axis=1) & (low < (self.columns, self.rows)).all(axis=1)
         for t in np.flatnonzero(visible):
             normal = normals[t] / lengths[t] * np.sign(normals[t, 2])
-            shade = 0.35 + 0.65 * max(0.0, normal @ self.light)
+            shade = 0.55 + 0.45 * (normal @ self.light)  # never quite dark, so that a bend away from the light shows
             self.fill(seen[t], np.maximum(low[t], 0), np.minimum(high[t], (self.columns, self.rows)),
                       shade * np.array((0.62, 0.74, 0.88)) + 0.12)
 
@@ -235,8 +236,9 @@ def draw_section(before, after, path, options):
     if ends:
         axes.plot(*np.array(ends).T, "k.", label="vertices of the mesh")
     axes.set_aspect("equal")
-    axes.set_xlim(options.at[0] - options.section / 8, options.at[0] + options.section * 7 / 8)
-    axes.set_ylim(-options.section * 3 / 8, options.section * 3 / 8)
+    x, width = options.section
+    axes.set_xlim(x - width / 2, x + width / 2)
+    axes.set_ylim(-width * 3 / 8, width * 3 / 8)
     axes.set_xlabel("x")
     axes.set_ylabel("z")
     axes.set_title("edges of the elements in the plane y = 0")
@@ -253,7 +255,7 @@ def main():
     parser.add_argument("--at", nargs=3, type=float, default=(0, 0, 0))
     parser.add_argument("--from", nargs=3, type=float, default=(-1, 1, 1))
     parser.add_argument("--width", type=float, default=1)
-    parser.add_argument("--section", type=float, default=0.1, help="width of the plot of the plane y = 0, from x of --at")
+    parser.add_argument("--section", nargs=2, type=float, default=(0, 1), metavar=("X", "WIDTH"))
     options = parser.parse_args()
 
     before, after = read_faces(options.before, options.patch), read_faces(options.after, options.patch)

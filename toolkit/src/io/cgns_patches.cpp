@@ -62,6 +62,8 @@ void note_leftovers(Patch_reading& r, std::size_t patch, const Leftovers& leftov
 void add_elements(Patch_reading& r, std::size_t patch, const Point_set& set)
 {
   const Cgns_tree& tree = r.reading.tree;
+  if (set.is_range && set.values.size() != 2)
+    tree.fail(fmt::format("{}: an element range of {} numbers", r.where[patch], set.values.size()));
   Leftovers leftovers;
   const auto add = [&](Index element) {
     const Index face = face_of_element(tree, r.zone, element, r.where[patch]);
@@ -188,6 +190,18 @@ std::vector<Index> points_of(const Cgns_tree& tree, const Zone_reading& zone, co
       tree.fail(fmt::format("{} names point {}, outside 1..{}", what, number, count));
   };
   std::vector<Index> points;
+  if (zone.is_structured && set.is_range)
+  {
+    if (set.values.size() != 6)
+      tree.fail(fmt::format("{}: a range of {} numbers in a structured zone", what, set.values.size()));
+    for (std::size_t m = 0; m < 6; ++m)
+      check(set.values[m], zone.size[m % 3]);
+    for (Index k = set.values[2]; k <= set.values[5]; ++k)
+      for (Index j = set.values[1]; j <= set.values[4]; ++j)
+        for (Index i = set.values[0]; i <= set.values[3]; ++i)
+          points.push_back(zone.point_at(i - 1, j - 1, k - 1));
+    return points;
+  }
   if (zone.is_structured)
   {
     if (set.values.size() % 3 != 0)

@@ -69,7 +69,7 @@ std::vector<Descriptor> read_descriptors(const Cgns_tree& tree, const Cgns_node&
 /// reads Zone_t's size, the coordinates and the elements of one zone.
 Zone_reading read_zone(Cgns_reading& reading, const Cgns_node& node);
 
-/// reads the coordinates into `zone.zone.points`; `point_count` are stated. Implemented in cgns_coordinates.cpp.
+/// reads the coordinates into `zone.zone.points`, `point_count` as the zone states.
 void read_coordinates(Cgns_reading& reading, Zone_reading& zone, Index point_count);
 
 /// reads the sections of an unstructured zone.

@@ -414,6 +414,7 @@ std::string field_data(const Vtu_content& content)
   for (const Zone& zone : content.mesh().linear.zones)
     zone_names.push_back(zone.name);
   std::vector<std::string_view> type_names;
+  type_names.reserve(all_element_types.size());
   for (Element_type type : all_element_types)
     type_names.push_back(element_name(type));
   return string_array("zone_names", zone_names) + string_array("patch_names", content.patch_names()) +

@@ -1,7 +1,7 @@
 #include <recurve/core/exceptions.h>
 #include <recurve/mesh/internal/face_table.h>
+#include <recurve/mesh/internal/neighbor_tree.h>
 #include <recurve/mesh/internal/point_clusters.h>
-#include <recurve/mesh/internal/point_tree.h>
 #include <recurve/mesh/join_zones.h>
 
 #include <fmt/format.h>
@@ -275,7 +275,7 @@ private:
       // Infinite: all edges here have length zero, so there is no length to be relative to.
       reach.push_back(std::isinf(edge) ? 0 : options_.tolerance * edge + std::min(slack(number), largest_slack * edge));
     }
-    const internal::Point_tree tree(positions);
+    const internal::Neighbor_tree tree(positions);
     const auto lists = internal::for_each_run<std::vector<Candidate>>(
       static_cast<Index>(hull_.size()), [&](Index first, Index last, std::vector<Candidate>& found) {
         for (Index i = first; i < last; ++i)

@@ -43,7 +43,7 @@ public:
     structure_ = find_structure(linear_, options_.join, report_.stages, progress_);
     report_.mesh = summarize(linear_, structure_);
     make_surface();
-    find_features(surface_, options_, report_, progress_);
+    find_features(surface_, linear_, structure_.joined, options_, report_, progress_);
     raise_degree();
     if (options_.degree > 1)
     {
@@ -216,6 +216,8 @@ void check(const Curving_options& options)
   check_range("degree of the fits", options.fit_degree, 0, max_fit_degree);
   check_range("threads", options.threads, 0, 1 << 20);
   check(options.features);
+  if (options.feature_edits)
+    check(options.feature_edits->options);
 }
 
 Curved_mesh curve_mesh(Volume_mesh mesh, const Curving_options& options, Curving_report* report,

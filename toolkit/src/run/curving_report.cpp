@@ -15,7 +15,8 @@ constexpr std::size_t listed_faces = 1000;
 
 Json json_of(const Feature_options& options)
 {
-  return {{"method", options.method == Feature_method::dihedral ? "dihedral" : "classified"},
+  constexpr const char* methods[] = {"classified", "none", "dihedral"};
+  return {{"method", methods[static_cast<int>(options.method)]},
           {"weak_angle", options.weak_angle},
           {"end_angle", options.end_angle},
           {"strong_angle", options.strong_angle},
@@ -30,6 +31,7 @@ Json json_of(const Feature_options& options)
           {"reject_smooth", options.reject_smooth},
           {"smooth_angle", options.smooth_angle},
           {"smooth_contrast", options.smooth_contrast},
+          {"crease_contrast", options.crease_contrast},
           {"dihedral_angle", options.dihedral_angle}};
 }
 
@@ -40,8 +42,8 @@ Json json_of(const Curving_options& options)
           {"largest_displacement", options.largest_displacement},
           {"curve", options.curve},
           {"keep", options.keep},
-          {"detect_features", options.detect_features},
           {"features", json_of(options.features)},
+          {"feature_edits", options.feature_edits ? Json(options.feature_edits->edits.size()) : Json()},
           {"join",
            {{"use_connectivity", options.join.use_connectivity},
             {"use_geometry", options.join.use_geometry},

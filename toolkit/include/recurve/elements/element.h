@@ -83,7 +83,8 @@ constexpr int corner_count(Element_type type)
   return node_count(type, 1);
 }
 
-/// number of nodes strictly inside the element: neither corner nor on an edge nor (of a cell) on a face.
+/// number of nodes strictly inside the element: not on its boundary, that is neither corner nor (of faces and cells) on
+/// an edge nor (of cells) on a face.
 int interior_node_count(Element_type type, int degree);
 
 } // namespace recurve

@@ -3,8 +3,10 @@
 
 #include <recurve/features/feature_options.h>
 #include <recurve/mesh/join_zones.h>
+#include <recurve/run/feature_file.h>
 
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,8 +31,8 @@ struct Curving_options
   /// patches that stay straight, though `curve` names them.
   std::vector<std::string> keep = {};
 
-  bool detect_features = true; ///< false: no edge is a feature, the surface is smooth everywhere
   Feature_options features = {};
+  std::optional<Feature_file> feature_edits = {}; ///< applied after detection, or instead
   Join_options join = {};
 
   int threads = 0; ///< largest number of threads; 0: as many as there are. The result does not depend on it

@@ -72,7 +72,8 @@ private:
 ///   4. Sources are all nodes of the boundary after that, also those at rest, each once. `length` is the mean edge
 ///      length of the active surface (`mean_edge_length()`), `weights` optionally the areas of the nodes
 ///      (`node_areas()`).
-///   5. Targets are the nodes that are not sources. A displacement that is round-off relative to the local edges is best
+///   5. Targets are the nodes that are not sources. A displacement that is round-off relative to the local edges is
+///   best
 ///      dropped, so that straight cells stay straight; so is all that lies beyond `Summation_options::reach`.
 ///
 /// \tparam Sources, Displacements  models of `Point_range`: positions before the motion, and the motion.
@@ -94,8 +95,7 @@ template <Point_range Positions>
 Interior_deformer<I>::Interior_deformer(const Positions& positions, I influence, const Summation_options& options,
                                         std::span<const double> weights)
   : field_(positions, std::move(influence), options, weights)
-{
-}
+{}
 
 template <Influence I>
 template <Point_range Displacements>

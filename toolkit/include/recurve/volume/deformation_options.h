@@ -1,6 +1,7 @@
 #ifndef RECURVE_VOLUME_DEFORMATION_OPTIONS_H
 #define RECURVE_VOLUME_DEFORMATION_OPTIONS_H
 
+#include <recurve/core/progress.h>
 #include <recurve/core/types.h>
 
 #include <algorithm>
@@ -25,9 +26,11 @@ struct Summation_options
   /// what happens is usually a tenth to a hundredth of it. Between 1e-9 and 1; smaller: `plain`.
   double error_bound = 1e-4;
 
-  /// Distance from the nearest moving source beyond which a target stays exactly where it is, in the unit of the points;
-  /// from half of it on, the motion fades. 0: no limit.
+  /// Distance from the nearest moving source beyond which a target stays exactly where it is, in the unit of the
+  /// points; from half of it on, the motion fades. 0: no limit.
   double reach = 0;
+
+  Progress_callback progress = {}; ///< stage "deform": the part of the targets that is done
 };
 
 /// What `deform_interior()` may vary: the paper's formula w = (L/r)^a + (alpha L/r)^b, and how it is summed.
@@ -37,7 +40,7 @@ struct Deformation_options
   double alpha = 0.9; ///< weight of the near part
   double a = 3;       ///< exponent of the far part
   double b = 5;       ///< exponent of the near part
-  Summation_options summation;
+  Summation_options summation = {};
 };
 
 /// What a deformation did.

@@ -18,9 +18,14 @@ namespace recurve {
 ///   - `w.length()`  positive, in the unit of the points.
 ///   - `w(q)`        weight at squared distance q > 0 (in units of length()^2).
 template <class W>
-concept Influence = requires(const W& w, double q) {
-  { w.length() } -> std::convertible_to<double>;
-  { w(q) } -> std::convertible_to<double>;
+concept Influence = requires(const W& w, double q)
+{
+  {
+    w.length()
+    } -> std::convertible_to<double>;
+  {
+    w(q)
+    } -> std::convertible_to<double>;
 };
 
 /// An influence that can be summed fast. It has to be a sum of positive multiples of inverse powers of the distance
@@ -30,9 +35,12 @@ concept Influence = requires(const W& w, double q) {
 ///     `degree` at a point that far away omits, averaged over displacements of its argument that are nowhere longer
 ///     than `largest_radius` < `distance` and whose mean of order degree + 1 is at most `mean_radius`.
 template <class W>
-concept Expandable_influence = Influence<W> && requires(const W& w, double q, std::span<double> values, int degree) {
+concept Expandable_influence = Influence<W> && requires(const W& w, double q, std::span<double> values, int degree)
+{
   w.derivatives(q, values);
-  { w.remainder(q, q, q, degree) } -> std::convertible_to<double>;
+  {
+    w.remainder(q, q, q, degree)
+    } -> std::convertible_to<double>;
 };
 
 namespace internal {
@@ -49,8 +57,8 @@ constexpr double leading_coefficient(double power, int degree)
 /// The remainder of |x|^-power, divided by |x|^-power and by (mean radius / distance)^(degree + 1); see
 /// `Expandable_influence`. The term of degree k of the series of |x + d|^-power is at most
 /// binomial(power + k - 1, k) (|d|/|x|)^k |x|^-power, since Gegenbauer polynomials are largest at 1; and the quotient
-/// of successive ones from there on is at most max(1, (power + k)/(k + 1)) |d|/|x|, so that the remainder is less than a
-/// geometric series. \param ratio  largest radius / distance.
+/// of successive ones from there on is at most max(1, (power + k)/(k + 1)) |d|/|x|, so that the remainder is less than
+/// a geometric series. \param ratio  largest radius / distance.
 constexpr double remainder_factor(double coefficient, double power, double ratio, int degree)
 {
   const double quotient = ratio * std::max(1.0, (power + degree + 1) / (degree + 2));
@@ -134,7 +142,8 @@ private:
     static constexpr auto table = [] {
       std::array<std::array<double, 2>, 16> result = {};
       for (int k = 0; k < 16; ++k)
-        result[static_cast<std::size_t>(k)] = {internal::leading_coefficient(A, k), internal::leading_coefficient(B, k)};
+        result[static_cast<std::size_t>(k)] = {internal::leading_coefficient(A, k),
+                                               internal::leading_coefficient(B, k)};
       return result;
     }();
     if (degree < 16)

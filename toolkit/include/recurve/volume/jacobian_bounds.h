@@ -18,7 +18,8 @@ enum class Validity : std::uint8_t
 {
   valid,    ///< det J > 0 everywhere in the closed element
   invalid,  ///< det J <= 0 at some point of it
-  undecided ///< neither was shown within the limits of `Jacobian_options`; whoever promises validity counts it as invalid
+  undecided ///< neither was shown within the limits of `Jacobian_options`; whoever promises validity counts it as
+            ///< invalid
 };
 
 /// How long `bound_jacobian()` tries.
@@ -31,21 +32,22 @@ struct Jacobian_options
   /// Parts of one element that are examined before it is given up as undecided: in floating point, and in exact
   /// arithmetic, which costs a hundred times more.
   int max_parts = 20000;
-  int max_exact_parts = 2000;
+  int max_exact_parts = 300;
 
   /// Subdivision stops when the verdict is known. If this is finite, it also goes on until `lower` is within this
-  /// fraction of the largest det J from the smallest.
+  /// fraction of the largest |det J| from the smallest det J, or a limit is reached.
   double sharpness = std::numeric_limits<double>::infinity();
 };
 
-/// Certified bounds of det J of one element with respect to its reference element, in the third power of the unit of the
-/// points; the reference elements have the volumes 1/6 (tetrahedron), 1/3 (pyramid), 1/2 (prism) and 1 (hexahedron).
-/// On a pyramid the values at the apex are the limits along straight lines.
+/// Certified bounds of det J of one element with respect to its reference element, in the third power of the unit of
+/// the points; the reference elements have the volumes 1/6 (tetrahedron), 1/3 (pyramid), 1/2 (prism) and 1
+/// (hexahedron). On a pyramid the values at the apex are the limits along straight lines.
 struct Jacobian_bounds
 {
-  double lower = -std::numeric_limits<double>::infinity();  ///< det J is nowhere smaller
-  double upper = std::numeric_limits<double>::infinity();   ///< det J is nowhere larger
-  double reached = std::numeric_limits<double>::infinity(); ///< det J is at most this somewhere: smallest in [lower, reached]
+  double lower = -std::numeric_limits<double>::infinity(); ///< det J is nowhere smaller
+  double upper = std::numeric_limits<double>::infinity();  ///< det J is nowhere larger
+  double reached =
+    std::numeric_limits<double>::infinity(); ///< det J is at most this somewhere: smallest in [lower, reached]
   double scaled = -1; ///< lower / max(upper, -lower), in [-1, 1]. If positive, det J is nowhere smaller than this times
                       ///< its maximum
   Validity verdict = Validity::undecided;
@@ -83,10 +85,10 @@ struct Jacobian_report
   std::array<Verdicts, all_element_types.size()> by_type = {}; ///< by number of the `Element_type`
   Index straight_elements = 0;                                 ///< that took the test of degree 1
   Index subdivided_elements = 0;
-  Index exact_elements = 0;                  ///< that needed exact arithmetic
+  Index exact_elements = 0;                    ///< that needed exact arithmetic
   std::array<Index, bin_count> histogram = {}; ///< of `scaled` of the valid elements, in equal bins from 0 to 1
-  Extreme_element least_valid;               ///< the valid element with the smallest certified scaled Jacobian
-  Extreme_element least;                     ///< the same of all elements
+  Extreme_element least_valid;                 ///< the valid element with the smallest certified scaled Jacobian
+  Extreme_element least;                       ///< the same of all elements
 
   Verdicts& of(Element_type type) { return by_type[static_cast<std::size_t>(type)]; }
   const Verdicts& of(Element_type type) const { return by_type[static_cast<std::size_t>(type)]; }

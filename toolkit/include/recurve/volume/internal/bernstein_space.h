@@ -53,10 +53,11 @@ inline double multinomial(int degree, const Lattice_point& index)
 /// products of their scaled coefficients whose indices add up.
 struct Bernstein_space
 {
-  std::vector<int> dimensions;        ///< of the simplices
-  std::vector<int> degrees;           ///< in each
-  std::vector<Lattice_point> indices; ///< one per function, axes of the first simplex first, whose functions run fastest
-  std::vector<double> multinomials;   ///< products over the simplices; exact
+  std::vector<int> dimensions; ///< of the simplices
+  std::vector<int> degrees;    ///< in each
+  std::vector<Lattice_point>
+    indices;                        ///< one per function, axes of the first simplex first, whose functions run fastest
+  std::vector<double> multinomials; ///< products over the simplices; exact
 
   int size() const { return static_cast<int>(indices.size()); }
 

@@ -2,6 +2,7 @@
 #define RECURVE_VOLUME_INTERNAL_DEFORMATION_FIELD_H
 
 #include <recurve/core/exceptions.h>
+#include <recurve/core/progress.h>
 #include <recurve/core/types.h>
 #include <recurve/volume/deformation_options.h>
 #include <recurve/volume/influence.h>
@@ -19,7 +20,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <optional>
+#include <mutex>
 #include <ranges>
 #include <span>
 #include <string>
@@ -39,16 +40,41 @@ inline Summation faster_summation(std::size_t sources, std::size_t targets)
 }
 
 /// degree of the expansions that sum fastest within an error bound (measured).
-inline int expansion_degree(double error_bound)
+constexpr int expansion_degree(double error_bound)
 {
-  if (PDEG) return PDEG;
-  constexpr std::array<std::pair<double, int>, 6> table = {
-    {{5e-3, 4}, {5e-4, 5}, {5e-5, 6}, {5e-6, 7}, {5e-7, 8}, {5e-8, 9}}};
-  for (const auto& [bound, degree] : table)
-    if (error_bound >= bound)
-      return degree;
-  return max_expansion_degree;
+  return error_bound >= 5e-3 ? 6 : error_bound >= 5e-4 ? 8 : 9;
 }
+
+/// Reports, from whichever thread, how much is done.
+class Progress_meter
+{
+public:
+  Progress_meter(const Progress_callback& callback, Index total)
+    : callback_(callback), total_(std::max<Index>(1, total)), step_(std::max<Index>(1, total / 100))
+  {
+    report_progress(callback_, "deform", 0);
+  }
+
+  /// \throws Cancelled if the callback asks to stop.
+  void add(Index count)
+  {
+    if (!callback_)
+      return;
+    const std::lock_guard lock(mutex_);
+    done_ += count;
+    if (done_ < next_)
+      return;
+    next_ = done_ + step_;
+    if (done_ < total_) // the end is reported once all threads are back
+      report_progress(callback_, "deform", static_cast<double>(done_) / static_cast<double>(total_));
+  }
+
+private:
+  const Progress_callback& callback_;
+  const Index total_, step_;
+  std::mutex mutex_;
+  Index done_ = 0, next_ = 0;
+};
 
 /// The work of `Interior_deformer`.
 template <class I>
@@ -94,9 +120,10 @@ private:
   // Below this the rounding of the expansions is no longer negligible.
   static constexpr double smallest_error_bound = 1e-9;
 
-  // Cells of targets: large enough to fill vectors and share expansions, small enough to be close together.
-  static constexpr Index target_capacity = TCAP;
-  static constexpr Index source_capacity = SCAP;
+  // Points in a leaf, at most (measured): so many that vectors are filled, that a moment's memory is shared by enough
+  // sources and an expansion's work by enough targets; so few that cells are small compared with their distances.
+  static constexpr Index target_capacity = 64;
+  static constexpr Index source_capacity = 160;
 
   I influence_;
   Summation_options options_;
@@ -170,12 +197,12 @@ Deformation_field<I>::Deformation_field(const Positions& positions, I influence,
   if (options_.reach > 0)
     for (const Numbered_point& s : sources)
       positions_.push_back(s.position);
-  is_fast_ = Expandable_influence<I> &&
-             (options_.method == Summation::fast ||
-              (options_.method == Summation::automatic && faster_summation(n, n) == Summation::fast));
-  field_ = Source_field(std::move(sources), relative_weights(weights),
-                        is_fast_ ? expansion_degree(options_.error_bound) : -1,
-                        is_fast_ && Fast_sum<I>::uses_floats(options_.error_bound), source_capacity);
+  is_fast_ =
+    Expandable_influence<I> && (options_.method == Summation::fast ||
+                                (options_.method == Summation::automatic && faster_summation(n, n) == Summation::fast));
+  field_ =
+    Source_field(std::move(sources), relative_weights(weights), is_fast_ ? expansion_degree(options_.error_bound) : -1,
+                 is_fast_ && Fast_sum<I>::uses_floats(options_.error_bound), source_capacity);
 }
 
 template <class I>
@@ -275,6 +302,7 @@ Deformation_report Deformation_field<I>::for_each_displacement(const Points& poi
     });
 
   tbb::enumerable_thread_specific<Extreme> extremes;
+  Progress_meter progress(options_.progress, static_cast<Index>(targets.size()));
   const auto emit = [&](std::span<const Numbered_point> list, const double* x, const double* y, const double* z) {
     Extreme& extreme = extremes.local();
     for (std::size_t m = 0; m < list.size(); ++m)
@@ -287,12 +315,14 @@ Deformation_report Deformation_field<I>::for_each_displacement(const Points& poi
       extreme.largest = std::max(extreme.largest, f * std::sqrt(squared));
       sink(list[m].number, s);
     }
+    progress.add(static_cast<Index>(list.size()));
   };
   Sum_tally tally;
   if constexpr (Expandable_influence<I>)
     tally = is_fast_ ? sum_fast(std::move(targets), emit) : sum_plainly(targets, emit);
   else
     tally = sum_plainly(targets, emit);
+  report_progress(options_.progress, "deform", 1);
   for (const Extreme& extreme : extremes)
   {
     report.moved_targets += extreme.moved;
@@ -323,7 +353,8 @@ Sum_tally Deformation_field<I>::sum_plainly(std::span<const Numbered_point> targ
   const Summation_kernels<I> kernels(influence_);
   const std::size_t blocks = (targets.size() + target_block - 1) / target_block;
   tbb::parallel_for(std::size_t(0), blocks, [&](std::size_t block) {
-    const auto list = targets.subspan(block * target_block, std::min(target_block, targets.size() - block * target_block));
+    const auto list =
+      targets.subspan(block * target_block, std::min(target_block, targets.size() - block * target_block));
     std::array<std::array<double, target_block>, 3> x;
     for (std::size_t m = 0; m < target_block; ++m)
       for (std::size_t d = 0; d < 3; ++d)

@@ -23,9 +23,10 @@ struct Derivative_field
   std::vector<Rational_matrix> factors;
 };
 
-/// the three fields whose determinant is det J: the derivatives with respect to the reference coordinates. On a pyramid,
-/// in the coordinates of the collapsed cube, x_a / (1 - c), x_b / (1 - c) and x_c; see doc/certified_validity.md.
-std::array<Derivative_field, 3> derivative_fields(Element_type type, int degree);
+/// the three fields whose determinant is det J: the derivatives with respect to the reference coordinates. On a
+/// pyramid, in the coordinates of the collapsed cube, x_a / (1 - c), x_b / (1 - c) and x_c; see
+/// doc/certified_validity.md.
+inline std::array<Derivative_field, 3> derivative_fields(Element_type type, int degree);
 
 /// The derivative of a polynomial on a simplex along axis `axis`.
 class Simplex_derivative
@@ -35,8 +36,7 @@ public:
     : axis_(static_cast<std::size_t>(axis)), nodes_(simplex_lattice(dimension, degree)),
       lattice_(simplex_lattice(dimension, degree - 1)), conversion_(simplex_conversion(dimension, degree)),
       degree_(degree)
-  {
-  }
+  {}
 
   /// its coefficients from the differences of nodes at lattice points I + e_axis and I, I in the lattice of degree - 1.
   /// The weights of the nodes of one line along the axis have sum 0, since a function that is constant along the axis
@@ -108,8 +108,7 @@ public:
   explicit Pyramid_fields(int degree)
     : degree_(degree), nodes_(canonical_nodes(Element_type::pyramid, degree)),
       conversion_(with_one_denominator(Pyramid_conversion(degree).matrix()))
-  {
-  }
+  {}
 
   /// x_a / (1 - c) for axis 0, x_b / (1 - c) for axis 1: on level k, p times the differences of the coefficients of g_k
   /// along the axis, of degree p - k - 1 along it and p - k across, raised to p - 1 and p.
@@ -153,8 +152,7 @@ private:
   public:
     Level(const Pyramid_fields& fields, int i, int j, int a_degree, int b_degree)
       : fields_(fields), index_{i, j}, degrees_{a_degree, b_degree}, weights_(fields.nodes_.size())
-    {
-    }
+    {}
 
     /// adds `factor` times the coefficient of g_k, or of its differences along `axis`, raised to the field's degrees.
     void add(int k, int axis, int factor)

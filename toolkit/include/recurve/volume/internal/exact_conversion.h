@@ -76,17 +76,17 @@ inline Rational_matrix simplex_conversion(int dimension, int degree)
     for (int row = 0; row < n; ++row)
     {
       const Lattice_point& e = lattice[static_cast<std::size_t>(row)];
-      const std::size_t at = static_cast<std::size_t>(e[0]) +
-                             box * (static_cast<std::size_t>(e[1]) + box * static_cast<std::size_t>(e[2]));
+      const std::size_t at =
+        static_cast<std::size_t>(e[0]) + box * (static_cast<std::size_t>(e[1]) + box * static_cast<std::size_t>(e[2]));
       result(row, node) = Rational(monomials[at]) / (factorials * Rational(multinomial(degree, e)));
     }
   }
   return result;
 }
 
-/// Bernstein coefficients of a pyramid (basis.h) from its nodal values, both in canonical order. Reflections of the base
-/// take nodes to nodes and functions to functions, so that even and odd functions are inverted for themselves, which
-/// makes the exact inversion twenty times faster.
+/// Bernstein coefficients of a pyramid (basis.h) from its nodal values, both in canonical order. Reflections of the
+/// base take nodes to nodes and functions to functions, so that even and odd functions are inverted for themselves,
+/// which makes the exact inversion twenty times faster.
 class Pyramid_conversion
 {
 public:
@@ -125,8 +125,7 @@ private:
       const Rational a = side == 0 ? Rational(0) : Rational(at) / side; // at the apex n = 0, or the factor below is 0
       return binomial(n, i) * power(a, i) * power(1 - a, n - i);
     };
-    return binomial(degree_, f[2]) * power(z, f[2]) * power(1 - z, n) * on_line(f[0], node[0]) *
-           on_line(f[1], node[1]);
+    return binomial(degree_, f[2]) * power(z, f[2]) * power(1 - z, n) * on_line(f[0], node[0]) * on_line(f[1], node[1]);
   }
 
   void add_symmetry(int a_sign, int b_sign)
@@ -170,11 +169,16 @@ private:
       for_each_image(kept[static_cast<std::size_t>(column)], [&](const Lattice_point&, int) { ++images; });
       for_each_image(kept[static_cast<std::size_t>(column)], [&](const Lattice_point& node, int node_image) {
         for (int row = 0; row < block.rows; ++row)
+        {
+          const Rational share = block(row, column) / images;
           for_each_image(kept[static_cast<std::size_t>(row)], [&](const Lattice_point& f, int image) {
-            result_(number_of(f, nodes_), number_of(node, nodes_)) +=
-              block(row, column) *
-              Rational(signs[static_cast<std::size_t>(image)] * signs[static_cast<std::size_t>(node_image)], images);
+            Rational& entry = result_(number_of(f, nodes_), number_of(node, nodes_));
+            if (signs[static_cast<std::size_t>(image)] == signs[static_cast<std::size_t>(node_image)])
+              entry += share;
+            else
+              entry -= share;
           });
+        }
       });
     }
   }

@@ -17,8 +17,7 @@ struct Exact_matrix
   Exact_matrix(int row_count, int column_count)
     : rows(row_count), columns(column_count),
       entries(static_cast<std::size_t>(row_count) * static_cast<std::size_t>(column_count))
-  {
-  }
+  {}
 
   Number& operator()(int row, int column) { return entries[at(row, column)]; }
   const Number& operator()(int row, int column) const { return entries[at(row, column)]; }
@@ -59,8 +58,7 @@ inline Fraction_matrix with_one_denominator(const Rational_matrix& matrix)
   for (const Rational& entry : matrix.entries)
     result.denominator = lcm(result.denominator, denominator(entry));
   for (std::size_t m = 0; m < matrix.entries.size(); ++m)
-    result.numerators.entries[m] =
-      numerator(matrix.entries[m]) * (result.denominator / denominator(matrix.entries[m]));
+    result.numerators.entries[m] = numerator(matrix.entries[m]) * (result.denominator / denominator(matrix.entries[m]));
   return result;
 }
 

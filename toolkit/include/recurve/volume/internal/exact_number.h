@@ -39,8 +39,8 @@ inline double to_double(const Integer& number, int exponent = 0)
   const Integer magnitude = abs(number);
   const int excess = std::max(0, static_cast<int>(msb(magnitude)) - 63);
   const auto leading = static_cast<std::uint64_t>(magnitude >> excess);
-  const double result = std::max(std::ldexp(static_cast<double>(leading), exponent + excess),
-                                 std::numeric_limits<double>::denorm_min());
+  const double result =
+    std::max(std::ldexp(static_cast<double>(leading), exponent + excess), std::numeric_limits<double>::denorm_min());
   return number.sign() < 0 ? -result : result;
 }
 

@@ -24,8 +24,8 @@ inline constexpr int max_term_count = term_count(max_expansion_degree);
 class Expansion_table
 {
 public:
-  /// How monomial g follows from monomials of lower degree: g = parent * x[axis]; `grandparent` = parent / x[axis] or -1,
-  /// and `power` the power of x[axis] in parent.
+  /// How monomial g follows from monomials of lower degree: g = parent * x[axis]; `grandparent` = parent / x[axis] or
+  /// -1, and `power` the power of x[axis] in parent.
   struct Recurrence
   {
     std::int16_t axis, parent, grandparent, power;

@@ -40,12 +40,13 @@ struct Sum_tally
 
 /// A fast multipole method for quotients: s(r) = sum w s_i / sum w at many targets.
 ///
-/// Sources and targets are sorted into trees. A cell of sources far enough from a cell of targets is expanded in a Taylor
-/// series about both centers, truncated at a common total degree; the rest is summed directly. Since all weights are
-/// positive and no |s_i| exceeds 1, an error e of the sum of weights (and of each weighted displacement) is an error of
-/// at most 2 e / sum w of the quotient. So each cell of targets may spend `tolerance / 2` times a lower bound of its sum
-/// of weights: half of it goes to all source cells in proportion to their own weights, the other half where it
-/// saves most, to cells that are far and many but weigh little. What is spent is bounded strictly and counted.
+/// Sources and targets are sorted into trees. A cell of sources far enough from a cell of targets is expanded in a
+/// Taylor series about both centers, truncated at a common total degree; the rest is summed directly. Since all weights
+/// are positive and no |s_i| exceeds 1, an error e of the sum of weights (and of each weighted displacement) is an
+/// error of at most 2 e / sum w of the quotient. So each cell of targets may spend `tolerance / 2` times a lower bound
+/// of its sum of weights: part of it goes to all source cells in proportion to their own weights, part where it saves
+/// most, to cells that are far and many but weigh little, and the rest to the nearest. What is spent is bounded strictly
+/// and counted.
 template <class I>
 class Fast_sum
 {
@@ -65,10 +66,8 @@ public:
   /// \param tolerance  the largest error allowed, relative to the largest displacement of a source.
   Fast_sum(const Source_field& sources, const I& influence, double tolerance, const Point_tree& targets)
     : sources_(sources), targets_(targets), influence_(influence), kernels_(influence),
-      uses_floats_(uses_floats(tolerance)),
-      tolerance_(uses_floats_ ? tolerance - float_rounding : tolerance)
-  {
-  }
+      uses_floats_(uses_floats(tolerance)), tolerance_(uses_floats_ ? tolerance - float_rounding : tolerance)
+  {}
 
   /// calls `emit(points, x, y, z)` for each leaf of the targets, with arrays of the displacements of its points; from
   /// several threads.
@@ -127,6 +126,7 @@ private:
     alignas(64) Pack<Real> radial[max_expansion_degree + 1];
     alignas(64) Pack<Real> source_factors[max_expansion_degree + 1], target_factors[max_expansion_degree + 1];
     Aligned_vector<Real> derivatives, transposed, lane_sums, zeros;
+    double reference = 1; ///< length in whose units the lane sums count weights
 
     static Pack<Real>* packs(Aligned_vector<Real>& v) { return reinterpret_cast<Pack<Real>*>(v.data()); }
   };
@@ -140,7 +140,7 @@ private:
     Translation_room<double> doubles;
     Translation_room<float> floats;
     Aligned_vector<double> coordinates, sums;
-    Aligned_vector<float> float_targets, float_sources;
+    Aligned_vector<float> float_targets;
   };
 
   template <class Emit>
@@ -158,6 +158,7 @@ private:
   void split_near(Task& task, Scratch& scratch) const;
   void sort_leaf_candidates(Task& task, Scratch& scratch) const;
 
+  static double expansion_unit(const Node& target, const Node& source);
   void move_local(const Point& center, Task& task) const;
   void add_expanded(const Node& target, Scratch& scratch, Task& task) const;
   template <class Real>
@@ -168,7 +169,6 @@ private:
   Sums prepare_leaf(const Node& target, Scratch& scratch) const;
   Index sum_direct(const Node& target, Scratch& scratch, const Sums& sums) const;
   bool is_float_safe(const Node& target, const Node& source) const;
-  void sum_floats(const Node& target, Scratch& scratch, std::size_t count, const Sums& sums) const;
 
   // A subtree with fewer targets is not worth a task.
   static constexpr Index parallel_size = 2048;
@@ -177,8 +177,8 @@ private:
   static constexpr double largest_ratio = 0.5;
 
   // What the translation of one cell costs, by degree, in directly summed pairs (measured).
-  static constexpr std::array<Index, max_expansion_degree + 1> translation_cost = {30,  40,   60,   100,  190, 360,
-                                                                                   640, 1080, 1750, 2800, 4400};
+  static constexpr std::array<Index, max_expansion_degree + 1> translation_cost = {30,  40,  60,   90,   160, 300,
+                                                                                   560, 900, 1450, 2250, 3500};
 
   const Source_field& sources_;
   const Point_tree& targets_;
@@ -234,7 +234,7 @@ Sum_tally Fast_sum<I>::visit_leaf(Task& task, Scratch& scratch, const Emit& emit
   split_near(task, scratch);
   Sum_tally tally;
   tally.pairs = sum_direct(target, scratch, sums);
-  const double near = *std::min_element(sums.weight, sums.weight + target.size());
+  const double near = (1 - float_rounding) * *std::min_element(sums.weight, sums.weight + target.size());
   raise_lowest(target, task.candidates, task.account.expanded + near, task.account, scratch.stack);
   sort_leaf_candidates(task, scratch);
   tally.pairs += sum_direct(target, scratch, sums);
@@ -245,11 +245,11 @@ Sum_tally Fast_sum<I>::visit_leaf(Task& task, Scratch& scratch, const Emit& emit
   const std::size_t n = scratch.coordinates.size() / 6;
   const double* relative = scratch.coordinates.data() + 3 * n;
   if (!task.local.empty())
-    kernels_.common().add_local(table_, sources_.degree(), task.local.data(), {relative, relative + n, relative + 2 * n},
-                                static_cast<Index>(n), sums);
+    kernels_.common().add_local(table_, sources_.degree(), task.local.data(),
+                                {relative, relative + n, relative + 2 * n}, static_cast<Index>(n), sums);
 
-  const double weight = std::max(task.account.lowest, (task.account.lowest + task.account.expanded) / 2);
-  tally.error = task.account.error > 0 ? 2 * task.account.error / weight : 0;
+  if (task.account.error > 0)
+    tally.error = 2 * task.account.error / std::max(task.account.lowest, task.account.expanded);
   if (uses_floats_)
     tally.error += float_rounding;
   for (Index m = 0; m < target.size(); ++m)
@@ -264,7 +264,8 @@ Sum_tally Fast_sum<I>::visit_leaf(Task& task, Scratch& scratch, const Emit& emit
   return tally;
 }
 
-/// improves the lower bound of the sum of weights in a cell of targets: `known` plus what the candidates weigh, at least.
+/// improves the lower bound of the sum of weights in a cell of targets: `known` plus what the candidates weigh, at
+/// least.
 template <class I>
 void Fast_sum<I>::raise_lowest(const Node& target, std::span<const Index> candidates, double known, Account& account,
                                std::vector<Index>& stack) const
@@ -309,14 +310,14 @@ bool Fast_sum<I>::make_offer(const Node& target, Index number, Offer& offer) con
   return true;
 }
 
-/// the error that a cell may make regardless of what others need: a part in proportion to its own weight, and a share of
-/// the other half of the budget.
+/// the error that a cell may make regardless of what others need: a part in proportion to its own weight, and a share
+/// of the other half of the budget.
 template <class I>
 double Fast_sum<I>::share(const Offer& offer, const Account& account) const
 {
   // Cells of one size at one distance from the targets form a ring. Work is least if the rings get error in proportion
   // to a small power of their weights; it fades slowly, so that there are effectively six of them.
-  constexpr double part_of_ring = 1.0 / 6;
+  constexpr double part_of_ring = 0.5;
 
   const double cells_in_ring = 4 * offer.distance * offer.distance / (offer.radii * offer.radii);
   const double weight_of_ring = std::min(1.0, offer.typical * cells_in_ring / account.lowest);
@@ -324,12 +325,11 @@ double Fast_sum<I>::share(const Offer& offer, const Account& account) const
          (offer.own + part_of_ring * account.lowest * std::sqrt(std::sqrt(weight_of_ring)) / cells_in_ring);
 }
 
-/// what may still be spent: the errors of all cells stay within tolerance / 2 times the sum of weights at each target,
-/// which is at least the mean of both its lower bounds.
+/// what may still be spent: the errors of all cells stay within tolerance / 2 times the sum of weights at each target.
 template <class I>
 double Fast_sum<I>::left(const Offer& offer, const Account& account) const
 {
-  return tolerance_ / 4 * (account.expanded + offer.own + account.lowest) - account.error;
+  return tolerance_ / 2 * std::max(account.expanded + offer.own, account.lowest) - account.error;
 }
 
 /// the lowest degree whose error is allowed, which is charged to the account; -1 if there is none.
@@ -370,8 +370,7 @@ std::vector<Index> Fast_sum<I>::sort_candidates(Task& task, Scratch& scratch) co
   {
     const Index s = scratch.stack.back();
     scratch.stack.pop_back();
-    const int degree =
-      make_offer(target, s, offer) ? accept(offer, share(offer, task.account), task.account) : -1;
+    const int degree = make_offer(target, s, offer) ? accept(offer, share(offer, task.account), task.account) : -1;
     if (degree >= 0)
       scratch.expanded.push_back({s, degree});
     else if (!tree.is_leaf(s) && tree.node(s).radius > target.radius)
@@ -415,27 +414,34 @@ void Fast_sum<I>::sort_leaf_candidates(Task& task, Scratch& scratch) const
   scratch.expanded.clear();
   scratch.direct.clear();
   scratch.pending.clear();
+  const auto lanes_filled = static_cast<Index>(scratch.coordinates.size() / 6); // a part of a vector costs a whole one
   Offer offer;
   scratch.stack.assign(task.candidates.rbegin(), task.candidates.rend());
   while (!scratch.stack.empty())
   {
     const Index s = scratch.stack.back();
     scratch.stack.pop_back();
-    if (!make_offer(target, s, offer))
-      scratch.direct.push_back(s); // only a rounding error away from split_near()
-    else if (const int degree = accept(offer, share(offer, task.account), task.account); degree >= 0)
+    const bool is_offered = make_offer(target, s, offer);
+    Account charged = task.account;
+    const int degree = is_offered ? accept(offer, share(offer, task.account), charged) : -1;
+    if (degree >= 0 && lanes_filled * tree.node(s).size() > translation_cost[static_cast<std::size_t>(degree)])
+    {
+      task.account = charged;
       scratch.expanded.push_back({s, degree});
-    else if (tree.is_leaf(s))
+    }
+    else if (!tree.is_leaf(s))
+      scratch.stack.insert(scratch.stack.end(), {2 * s + 2, 2 * s + 1});
+    else if (is_offered)
       scratch.pending.push_back(offer);
     else
-      scratch.stack.insert(scratch.stack.end(), {2 * s + 2, 2 * s + 1});
+      scratch.direct.push_back(s);
   }
 
   // What is left of the budget goes to the cells that need least of it.
   std::ranges::stable_sort(scratch.pending, {}, &Offer::error);
   const Index cost = translation_cost[static_cast<std::size_t>(sources_.degree())];
   for (const Offer& o : scratch.pending)
-    if (target.size() * tree.node(o.node).size() > cost && accept(o, o.error, task.account) >= 0)
+    if (lanes_filled * tree.node(o.node).size() > cost && accept(o, o.error, task.account) >= 0)
       scratch.expanded.push_back({o.node, sources_.degree()});
     else
       scratch.direct.push_back(o.node);
@@ -463,6 +469,14 @@ void Fast_sum<I>::move_local(const Point& center, Task& task) const
   task.local = std::move(moved);
 }
 
+/// a length in whose units no power of a distance leaves the range of a float, unless its term is negligible.
+template <class I>
+double Fast_sum<I>::expansion_unit(const Node& target, const Node& source)
+{
+  constexpr double smallest = 1e-3; // of the distance: for cells of one point
+  return std::max({target.radius, source.radius, smallest * std::sqrt(squared_distance(target.center, source.center))});
+}
+
 /// adds the expansions of the accepted source cells to the local expansion.
 template <class I>
 void Fast_sum<I>::add_expanded(const Node& target, Scratch& scratch, Task& task) const
@@ -471,10 +485,10 @@ void Fast_sum<I>::add_expanded(const Node& target, Scratch& scratch, Task& task)
     return;
   // Cells of like degree go together; each group takes the highest of its own.
   std::ranges::stable_sort(scratch.expanded, std::ranges::greater{}, &Cell::degree);
-  if (uses_floats_)
-    add_expanded(target, scratch.expanded, scratch.floats, task);
-  else
-    add_expanded(target, scratch.expanded, scratch.doubles, task);
+  if constexpr (Summation_kernels<I>::has_floats)
+    if (uses_floats_)
+      return add_expanded(target, scratch.expanded, scratch.floats, task);
+  add_expanded(target, scratch.expanded, scratch.doubles, task);
 }
 
 template <class I>
@@ -488,13 +502,14 @@ void Fast_sum<I>::add_expanded(const Node& target, std::span<const Cell> cells, 
   room.transposed.resize(sources_.stride() * n);
   room.derivatives.resize(values / 4 * n);
   room.zeros.assign(sources_.stride(), 0);
+  room.reference = expansion_unit(target, sources_.tree().node(cells.front().node));
   for (std::size_t first = 0; first < cells.size(); first += n)
     translate(target, cells.subspan(first, std::min(n, cells.size() - first)), room);
 
   // The lanes hold the expansion in units of the target's radius.
   task.local.resize(values, 0.0);
   const double inverse_unit = target.radius > 0 ? 1 / target.radius : 0;
-  double factor = 1;
+  double factor = kernels_.scale(room.reference);
   int degree = 0;
   for (std::size_t m = 0; m < values; ++m)
   {
@@ -523,8 +538,7 @@ void Fast_sum<I>::translate(const Node& target, std::span<const Cell> cells, Tra
     const Index number = cells[lane < cells.size() ? lane : 0].node;
     const Node& source = sources_.tree().node(number);
     moments[lane] = lane < cells.size() ? sources_.template moments<Real>(number) : room.zeros.data();
-    // In units of the larger radius no power of a distance leaves the range of a float unless its term is negligible.
-    const double unit = target.radius > 0 || source.radius > 0 ? std::max(target.radius, source.radius) : 1;
+    const double unit = expansion_unit(target, source);
     for (std::size_t d = 0; d < 3; ++d)
       room.offsets[d][lane] = static_cast<Real>((target.center[d] - source.center[d]) / unit);
     room.units[lane] = static_cast<Real>(unit);
@@ -536,7 +550,8 @@ void Fast_sum<I>::translate(const Node& target, std::span<const Cell> cells, Tra
       room.target_factors[k][lane] = static_cast<Real>(target_factor);
     }
   }
-  kernels_.radial_derivatives(room.offsets, room.units, degree, room.radial, room.scales);
+  kernels_.radial_derivatives(room.offsets, room.units, static_cast<Real>(room.reference), degree, room.radial,
+                              room.scales);
   for (int k = 0; k <= degree; ++k)
     for (int lane = 0; lane < lanes<Real>; ++lane)
       room.target_factors[k][lane] *= room.scales[lane];
@@ -552,8 +567,8 @@ template <class I>
 Sums Fast_sum<I>::prepare_leaf(const Node& target, Scratch& scratch) const
 {
   constexpr std::size_t group = 16; // fills vectors of floats of any width
-  const auto points = targets_.points().subspan(static_cast<std::size_t>(target.begin),
-                                                static_cast<std::size_t>(target.size()));
+  const auto points =
+    targets_.points().subspan(static_cast<std::size_t>(target.begin), static_cast<std::size_t>(target.size()));
   const std::size_t n = (points.size() + group - 1) / group * group;
   // Positions as they are, then relative to the center. What is added to fill a vector repeats the last point.
   scratch.coordinates.resize(6 * n);
@@ -564,22 +579,21 @@ Sums Fast_sum<I>::prepare_leaf(const Node& target, Scratch& scratch) const
       const double x = points[std::min(m, points.size() - 1)].position[d];
       scratch.coordinates[d * n + m] = x;
       scratch.coordinates[(3 + d) * n + m] = x - target.center[d];
-      scratch.float_targets[d * n + m] = static_cast<float>(x - target.center[d]);
     }
   scratch.sums.assign(4 * n, 0.0);
   double* sums = scratch.sums.data();
   return {sums, sums + n, sums + 2 * n, sums + 3 * n};
 }
 
-/// Whether the pairs of two cells can be summed in single precision, with coordinates relative to the target's center:
-/// they are so far apart that rounding a coordinate changes a distance by a few units in its last place only, and no
-/// power of a distance leaves the range of a float.
+/// Whether the pairs of a cell of targets and a leaf of sources can be summed in single precision, with coordinates
+/// relative to the sources' center: they are so far apart that rounding a coordinate changes a distance by a few units
+/// in its last place only, and no power of a distance leaves the range of a float.
 template <class I>
 bool Fast_sum<I>::is_float_safe(const Node& target, const Node& source) const
 {
   constexpr double nearest = 1e-5, farthest = 1e5;
   const double gap = squared_gap(target, source);
-  return uses_floats_ && gap >= target.radius * target.radius / 4 && gap > nearest * nearest &&
+  return uses_floats_ && gap >= source.radius * source.radius / 4 && gap > nearest * nearest &&
          squared_span(target, source) < farthest * farthest;
 }
 
@@ -587,53 +601,25 @@ bool Fast_sum<I>::is_float_safe(const Node& target, const Node& source) const
 template <class I>
 Index Fast_sum<I>::sum_direct(const Node& target, Scratch& scratch, const Sums& sums) const
 {
-  const std::size_t n = scratch.coordinates.size() / 6;
+  const auto n = static_cast<Index>(scratch.coordinates.size() / 6);
   const double* x = scratch.coordinates.data();
-  Index floats = 0, pairs = 0;
-  for (Index& s : scratch.direct)
+  float* relative = scratch.float_targets.data();
+  Index pairs = 0;
+  for (const Index s : scratch.direct)
   {
     const Node& source = sources_.tree().node(s);
     pairs += target.size() * source.size();
-    if (is_float_safe(target, source))
-      floats += source.size();
-    else
+    if (!is_float_safe(target, source))
+      kernels_.add_direct(sources_.charges(source.begin), source.size(), {x, x + n, x + 2 * n}, n, sums);
+    else if constexpr (Summation_kernels<I>::has_floats)
     {
-      kernels_.add_direct(sources_.charges(source.begin), source.size(), {x, x + n, x + 2 * n}, static_cast<Index>(n),
-                          sums);
-      s = no_index; // done
+      for (Index d = 0; d < 3; ++d)
+        kernels_.common().to_floats(x + d * n, n, source.center[static_cast<std::size_t>(d)], relative + d * n);
+      kernels_.add_direct(sources_.float_charges(source.begin), source.size(),
+                          Coordinates<float>{relative, relative + n, relative + 2 * n}, n, sums);
     }
   }
-  if (floats > 0)
-    sum_floats(target, scratch, static_cast<std::size_t>(floats), sums);
   return pairs;
-}
-
-/// sums those left in `scratch.direct`, `count` sources, in single precision.
-template <class I>
-void Fast_sum<I>::sum_floats(const Node& target, Scratch& scratch, std::size_t count, const Sums& sums) const
-{
-  if constexpr (Summation_kernels<I>::has_floats)
-  {
-    scratch.float_sources.resize(7 * count);
-    const float* s = scratch.float_sources.data();
-    for (std::size_t c = 0; c < 7; ++c)
-    {
-      float* to = scratch.float_sources.data() + c * count;
-      const double origin = c < 3 ? target.center[c] : 0;
-      for (const Index number : scratch.direct)
-        if (number != no_index)
-        {
-          const Node& source = sources_.tree().node(number);
-          kernels_.common().to_floats(sources_.charge(c) + source.begin, source.size(), origin, to);
-          to += source.size();
-        }
-    }
-    const std::size_t n = scratch.float_targets.size() / 3;
-    const float* t = scratch.float_targets.data();
-    kernels_.add_direct(
-      Charges<float>{s, s + count, s + 2 * count, s + 3 * count, s + 4 * count, s + 5 * count, s + 6 * count},
-      static_cast<Index>(count), Coordinates<float>{t, t + n, t + 2 * n}, static_cast<Index>(n), sums);
-  }
 }
 
 } // namespace recurve::internal

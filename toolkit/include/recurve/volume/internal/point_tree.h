@@ -23,8 +23,8 @@ struct Numbered_point
 };
 
 /// Balanced binary tree over points: each node halves its points across the widest side of their box. All leaves are at
-/// the same depth and hold between `capacity / 2` and `capacity` points (fewer only if there are no more). Node 0 is the
-/// root, the children of node n are 2n + 1 and 2n + 2. Depends on positions and numbers only, not on threads.
+/// the same depth and hold between `capacity / 2` and `capacity` points (fewer only if there are no more). Node 0 is
+/// the root, the children of node n are 2n + 1 and 2n + 2. Depends on positions and numbers only, not on threads.
 class Point_tree
 {
 public:

@@ -45,12 +45,9 @@ struct Sums
   double *weight, *x, *y, *z;
 };
 
-inline constexpr auto inverse_integers = [] {
-  std::array<double, max_expansion_degree + 2> result = {};
-  for (std::size_t n = 1; n < result.size(); ++n)
-    result[n] = 1.0 / static_cast<double>(n);
-  return result;
-}();
+/// 1/n; a plain array, for the kernels must not call functions of std.
+inline constexpr double inverse_integers[max_expansion_degree + 2] = {
+  0, 1, 1.0 / 2, 1.0 / 3, 1.0 / 4, 1.0 / 5, 1.0 / 6, 1.0 / 7, 1.0 / 8, 1.0 / 9, 1.0 / 10, 1.0 / 11};
 
 /// the square roots of the elements of a vector, where there is no instruction for it.
 template <class Vector>
@@ -61,7 +58,7 @@ Vector root_by_element(Vector v)
   return v;
 }
 
-namespace baseline {
+namespace summation_baseline {
 #define RECURVE_SIMD_WIDTH 2
 #if defined(__SSE2__)
   #define RECURVE_SIMD_ROOT(kind, q) _mm_sqrt_##kind(q)
@@ -71,31 +68,31 @@ namespace baseline {
 #include <recurve/volume/internal/simd_kernels.ipp>
 #undef RECURVE_SIMD_ROOT
 #undef RECURVE_SIMD_WIDTH
-} // namespace baseline
+} // namespace summation_baseline
 
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
   #define RECURVE_HAS_SIMD_DISPATCH
 
   #pragma GCC push_options
   #pragma GCC target("avx2")
-namespace avx2 {
+namespace summation_avx2 {
   #define RECURVE_SIMD_WIDTH 4
   #define RECURVE_SIMD_ROOT(kind, q) _mm256_sqrt_##kind(q)
   #include <recurve/volume/internal/simd_kernels.ipp>
   #undef RECURVE_SIMD_ROOT
   #undef RECURVE_SIMD_WIDTH
-} // namespace avx2
+} // namespace summation_avx2
   #pragma GCC pop_options
 
   #pragma GCC push_options
   #pragma GCC target("avx512f,avx512dq,avx512vl,avx512bw,prefer-vector-width=512")
-namespace avx512 {
+namespace summation_avx512 {
   #define RECURVE_SIMD_WIDTH 8
   #define RECURVE_SIMD_ROOT(kind, q) _mm512_maskz_sqrt_##kind(-1, q) // unlike _mm512_sqrt, it warns of nothing
   #include <recurve/volume/internal/simd_kernels.ipp>
   #undef RECURVE_SIMD_ROOT
   #undef RECURVE_SIMD_WIDTH
-} // namespace avx512
+} // namespace summation_avx512
   #pragma GCC pop_options
 #endif
 
@@ -122,35 +119,41 @@ struct Kernels
   Translation<float> floats;
 };
 
-/// the widest kernels that this processor runs, for the influence u^A + c u^B. The environment variable RECURVE_SIMD
-/// (baseline, avx2) asks for narrower ones, for tests and comparisons.
+// clang-format off
+#define RECURVE_TRANSLATION(set, Real)                                                                                 \
+  {&set::radial_derivatives<A, B, Real>, &set::derivative_tensor<Real>, &set::translate<Real>}
+#define RECURVE_KERNELS(set)                                                                                           \
+  {#set, &set::add_direct<A, B>, &set::add_direct<A, B>, &set::to_floats, &set::add_moments, &set::add_local,          \
+   RECURVE_TRANSLATION(set, double), RECURVE_TRANSLATION(set, float)}
+// clang-format on
+
+/// the kernels for the influence u^A + c u^B with at most the instructions of `widest` (baseline, avx2, avx512) that
+/// this processor has.
+template <int A, int B>
+Kernels select_kernels([[maybe_unused]] std::string_view widest)
+{
+#ifdef RECURVE_HAS_SIMD_DISPATCH
+  if (widest == "avx512" && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+      __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw"))
+    return RECURVE_KERNELS(summation_avx512);
+  if (widest != "baseline" && __builtin_cpu_supports("avx2"))
+    return RECURVE_KERNELS(summation_avx2);
+#endif
+  return RECURVE_KERNELS(summation_baseline);
+}
+
+#undef RECURVE_KERNELS
+#undef RECURVE_TRANSLATION
+
+/// the widest kernels that this processor runs. The environment variable RECURVE_SIMD (baseline, avx2) asks for
+/// narrower ones, for comparisons.
 template <int A, int B>
 const Kernels& kernels()
 {
-#define RECURVE_TRANSLATION(set, Real)                                                                                  \
-  {                                                                                                                    \
-    &set::radial_derivatives<A, B, Real>, &set::derivative_tensor<Real>, &set::translate<Real>                         \
-  }
-#define RECURVE_KERNELS(set)                                                                                           \
-  Kernels                                                                                                              \
-  {                                                                                                                    \
-    #set, &set::add_direct<A, B>, &set::add_direct<A, B>, &set::to_floats, &set::add_moments, &set::add_local,         \
-      RECURVE_TRANSLATION(set, double), RECURVE_TRANSLATION(set, float)                                                \
-  }
   static const Kernels chosen = [] {
-#ifdef RECURVE_HAS_SIMD_DISPATCH
-    const char* variable = std::getenv("RECURVE_SIMD");
-    const std::string_view wish = variable ? variable : "";
-    if (wish != "baseline" && wish != "avx2" && __builtin_cpu_supports("avx512f") &&
-        __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw"))
-      return RECURVE_KERNELS(avx512);
-    if (wish != "baseline" && __builtin_cpu_supports("avx2"))
-      return RECURVE_KERNELS(avx2);
-#endif
-    return RECURVE_KERNELS(baseline);
+    const char* const variable = std::getenv("RECURVE_SIMD");
+    return select_kernels<A, B>(variable ? variable : "avx512");
   }();
-#undef RECURVE_KERNELS
-#undef RECURVE_TRANSLATION
   return chosen;
 }
 

@@ -1,6 +1,7 @@
 // The inner loops of the fast summation. simd_kernels.h includes this file once per instruction set, inside a namespace
 // and under a target pragma, with RECURVE_SIMD_WIDTH doubles to a vector. Everything is plain IEEE arithmetic in an order
-// that does not depend on the width, so that every instruction set gives the same bits.
+// that does not depend on the width, so that every instruction set gives the same bits. Nothing of std is called: what is
+// instantiated here might be compiled for this instruction set and then be shared with code for others.
 
 inline constexpr int width = RECURVE_SIMD_WIDTH;
 
@@ -8,27 +9,27 @@ typedef double Reals __attribute__((vector_size(width * sizeof(double)), aligned
 typedef float Floats __attribute__((vector_size(width * sizeof(double)), aligned(sizeof(float)), may_alias));
 typedef float Half_floats __attribute__((vector_size(width * sizeof(float)), aligned(sizeof(float)), may_alias));
 
-static inline Reals& reals(double* p)
+inline Reals& reals(double* p)
 {
   return *reinterpret_cast<Reals*>(p);
 }
-static inline const Reals& reals(const double* p)
+inline const Reals& reals(const double* p)
 {
   return *reinterpret_cast<const Reals*>(p);
 }
 
-static inline Reals root(Reals q)
+inline Reals root(Reals q)
 {
   return RECURVE_SIMD_ROOT(pd, q);
 }
-static inline Floats root(Floats q)
+inline Floats root(Floats q)
 {
   return RECURVE_SIMD_ROOT(ps, q);
 }
 
 /// r^N with q = r^2
 template <int N, class V>
-static inline V power(const V q, const V r)
+inline V power(const V q, const V r)
 {
   if constexpr (N == 0)
     return V{} + 1;
@@ -50,7 +51,7 @@ static inline V power(const V q, const V r)
 /// r^-A + c r^-B at q = r^2, with one root and one division: instructions, exact to the last bit, and on recent
 /// processors faster than an approximation and Newton's iteration.
 template <int A, int B, class V, class Real>
-static inline V weight(const V q, Real c)
+inline V weight(const V q, Real c)
 {
   const V r = root(q);
   if constexpr (A <= B)
@@ -89,17 +90,14 @@ void add_direct(const Charges<double>& s, Index source_count, const Coordinates<
   }
 }
 
-/// to[m] = from[m] - origin
+/// to[m] = from[m] - origin; `count` is a multiple of `width`.
 inline void to_floats(const double* from, Index count, double origin, float* to)
 {
-  Index m = 0;
-  for (; m + width <= count; m += width)
+  for (Index m = 0; m < count; m += width)
     *reinterpret_cast<Half_floats*>(to + m) = __builtin_convertvector(reals(from + m) - origin, Half_floats);
-  for (; m < count; ++m)
-    to[m] = static_cast<float>(from[m] - origin);
 }
 
-static inline void add_floats(double* sums, const Floats& part)
+inline void add_floats(double* sums, const Floats& part)
 {
   const float* p = reinterpret_cast<const float*>(&part);
   reals(sums) += __builtin_convertvector(*reinterpret_cast<const Half_floats*>(p), Reals);
@@ -150,12 +148,12 @@ struct Vector_of
 };
 
 template <class Real>
-static inline typename Vector_of<Real>::type& vector_at(Real* p)
+inline typename Vector_of<Real>::type& vector_at(Real* p)
 {
   return *reinterpret_cast<typename Vector_of<Real>::type*>(p);
 }
 template <class Real>
-static inline const typename Vector_of<Real>::type& vector_at(const Real* p)
+inline const typename Vector_of<Real>::type& vector_at(const Real* p)
 {
   return *reinterpret_cast<const typename Vector_of<Real>::type*>(p);
 }
@@ -203,9 +201,10 @@ void derivative_tensor(const Expansion_table& table, int degree, const Pack<Real
   }
 }
 
-/// columns[m][lane] = rows[lane][m] for m < count, a multiple of 16.
+/// columns[m][lane] = factors[degree of m / 4][lane] * rows[lane][m] for m < count, a multiple of 16.
 template <class Real>
-void transpose(const Real* const* rows, int count, Pack<Real>* columns)
+void transpose(const Expansion_table& table, const Real* const* rows, int count, const Pack<Real>* factors,
+               Pack<Real>* columns)
 {
   using Vector = typename Vector_of<Real>::type;
   constexpr int n = Vector_of<Real>::size;
@@ -240,37 +239,37 @@ void transpose(const Real* const* rows, int count, Pack<Real>* columns)
       }
 #pragma GCC unroll 16
       for (int i = 0; i < n; ++i)
-        vector_at(columns[m + i] + at) = block[i];
+        vector_at(columns[m + i] + at) = block[i] * vector_at(factors[table.degree((m + i) / 4)] + at);
     }
 }
 
 /// local[4 b + c] += factors * sum over a of moments[4 a + c] derivatives[a b], for `N` successive b of one degree.
 template <int N, class Real>
-static inline void contract(const Expansion_table& table, int b, int end, int at, const Pack<Real>* derivatives,
+inline void contract(const Expansion_table& table, int b, int end, int at, const Pack<Real>* derivatives,
                             const Pack<Real>* moments, const Real* factors, Pack<Real>* local)
 {
   using Vector = typename Vector_of<Real>::type;
   Vector sums[N][4] = {};
   const std::int16_t* products[N];
-#pragma GCC unroll 2
+#pragma GCC unroll 4
   for (int n = 0; n < N; ++n)
     products[n] = table.products(b + n);
   for (int a = 0; a < end; ++a)
   {
     Vector d[N];
-#pragma GCC unroll 2
+#pragma GCC unroll 4
     for (int n = 0; n < N; ++n)
       d[n] = vector_at(derivatives[products[n][a]] + at);
 #pragma GCC unroll 4
     for (int c = 0; c < 4; ++c)
     {
       const Vector m = vector_at(moments[4 * a + c] + at);
-  #pragma GCC unroll 2
+  #pragma GCC unroll 4
     for (int n = 0; n < N; ++n)
         sums[n][c] += m * d[n];
     }
   }
-#pragma GCC unroll 2
+#pragma GCC unroll 4
   for (int n = 0; n < N; ++n)
 #pragma GCC unroll 4
     for (int c = 0; c < 4; ++c)
@@ -285,28 +284,28 @@ void translate(const Expansion_table& table, int degree, const Pack<Real>* deriv
                const Pack<Real>* source_factors, const Pack<Real>* target_factors, Pack<Real>* transposed,
                Pack<Real>* local)
 {
+  constexpr int group = width == 8 ? 4 : 2;
   const int terms = term_count(degree);
-  transpose(moments, (4 * terms + 15) / 16 * 16, transposed);
+  transpose(table, moments, (4 * terms + 15) / 16 * 16, source_factors, transposed);
   for (int at = 0; at < lanes<Real>; at += Vector_of<Real>::size)
   {
-    for (int a = 1; a < terms; ++a)
-      for (int c = 0; c < 4; ++c)
-        vector_at(transposed[4 * a + c] + at) *= vector_at(source_factors[table.degree(a)] + at);
-    for (int b = 0; b < terms;)
+    int b = 0;
+    for (int d = 0; d <= degree; ++d)
     {
-      const int d = table.degree(b), end = term_count(degree - d);
-      const bool is_pair = b + 1 < terms && table.degree(b + 1) == d;
-      if (is_pair)
+      // As many terms of one degree at a time as there are registers for their sums.
+      const int last = term_count(d), end = term_count(degree - d);
+      for (; b + group <= last; b += group)
+        contract<group>(table, b, end, at, derivatives, transposed, target_factors[d], local);
+      for (; b + 2 <= last; b += 2)
         contract<2>(table, b, end, at, derivatives, transposed, target_factors[d], local);
-      else
-        contract<1>(table, b, end, at, derivatives, transposed, target_factors[d], local);
-      b += is_pair ? 2 : 1;
+      if (b < last)
+        contract<1>(table, b++, end, at, derivatives, transposed, target_factors[d], local);
     }
   }
 }
 
 /// monomials[term] = x^i y^j z^k / (i! j! k!)
-static inline void scaled_monomials(const Expansion_table& table, int degree, const Reals* x, Reals* monomials)
+inline void scaled_monomials(const Expansion_table& table, int degree, const Reals* x, Reals* monomials)
 {
   monomials[0] = Reals{} + 1.0;
   for (int g = 1; g < term_count(degree); ++g)

@@ -24,8 +24,9 @@ class Source_field
 public:
   Source_field() = default;
 
-  /// sorts the sources. \param weights  one per source, or empty: all 1. \param degree  of the expansions; -1: there are
-  /// none, and the sources stay in their order. \param keeps_floats  whether moments are kept in single precision.
+  /// sorts the sources. \param weights  one per source, or empty: all 1. \param degree  of the expansions; -1: there
+  /// are none, and the sources stay in their order. \param keeps_floats  whether moments are kept, and charges as well,
+  /// in single precision.
   Source_field(std::vector<Numbered_point> sources, std::span<const double> weights, int degree, bool keeps_floats,
                Index leaf_capacity);
 
@@ -41,8 +42,8 @@ public:
   /// mean of order degree + 1 of the distances of the node's sources from its center.
   double mean_radius(Index node) const { return summaries_[static_cast<std::size_t>(node)].mean_radius; }
 
-  /// moments of the four charges of a node: term_count(degree) times four numbers, then zeros up to `stride()`; those of
-  /// degree k divided by `moment_unit(node)`^k.
+  /// moments of the four charges of a node: term_count(degree) times four numbers, then zeros up to `stride()`; those
+  /// of degree k divided by `moment_unit(node)`^k.
   template <class Real>
   const Real* moments(Index node) const
   {
@@ -75,16 +76,18 @@ public:
             weighted_x_.data() + first, weighted_y_.data() + first, weighted_z_.data() + first};
   }
 
-  /// the array of x, y, z, weight, weighted x, y, z.
-  const double* charge(std::size_t c) const
+  /// the same in single precision, with positions relative to the center of their leaf.
+  Charges<float> float_charges(Index first) const
   {
-    return std::array{&x_, &y_, &z_, &weight_, &weighted_x_, &weighted_y_, &weighted_z_}[c]->data();
+    const float* f = floats_.data() + first;
+    const Index n = size();
+    return {f, f + n, f + 2 * n, f + 3 * n, f + 4 * n, f + 5 * n, f + 6 * n};
   }
 
   std::size_t bytes() const
   {
-    return tree_.bytes() + 8 * (7 * weight_.size() + numbers_.size() + moments_.size()) + 4 * float_moments_.size() +
-           summaries_.size() * sizeof(Summary);
+    return tree_.bytes() + 8 * (7 * weight_.size() + numbers_.size() + moments_.size()) +
+           4 * (float_moments_.size() + floats_.size()) + summaries_.size() * sizeof(Summary);
   }
 
 private:
@@ -98,6 +101,7 @@ private:
   void add_leaf_moments(Index node, std::span<double> moments) const;
   void add_child_moments(Index node, Index child, std::span<const double> given, std::span<double> moments) const;
   void keep(Index node, std::span<const double> moments);
+  void keep_float_charges(Index leaf);
 
   static constexpr Index parallel_size = 4096; // sources of a subtree that is worth a task
 
@@ -108,6 +112,7 @@ private:
   std::vector<Summary> summaries_;
   bool keeps_floats_ = false;
   std::vector<double> moments_;
+  std::vector<float> floats_; ///< seven arrays, one after the other
   std::vector<float> float_moments_;
 };
 
@@ -179,7 +184,10 @@ void Source_field::set_displacements(const Displacement_of& displacement)
     return;
   const std::size_t size = static_cast<std::size_t>(tree_.node_count()) * stride();
   if (keeps_floats_)
+  {
     float_moments_.resize(size);
+    floats_.resize(7 * numbers_.size());
+  }
   else
     moments_.resize(size);
   expand(0);
@@ -190,7 +198,11 @@ inline std::vector<double> Source_field::expand(Index number)
 {
   std::vector<double> moments(static_cast<std::size_t>(4 * term_count(degree_)), 0.0);
   if (tree_.is_leaf(number))
+  {
     add_leaf_moments(number, moments);
+    if (keeps_floats_)
+      keep_float_charges(number);
+  }
   else
   {
     std::array<std::vector<double>, 2> below;
@@ -229,6 +241,16 @@ inline void Source_field::keep(Index number, std::span<const double> moments)
   }
 }
 
+inline void Source_field::keep_float_charges(Index leaf)
+{
+  const Point_tree::Node& node = tree_.node(leaf);
+  const std::array arrays = {&x_, &y_, &z_, &weight_, &weighted_x_, &weighted_y_, &weighted_z_};
+  for (std::size_t c = 0; c < 7; ++c)
+    for (Index m = node.begin; m < node.end; ++m)
+      floats_[c * numbers_.size() + static_cast<std::size_t>(m)] =
+        static_cast<float>((*arrays[c])[static_cast<std::size_t>(m)] - (c < 3 ? node.center[c] : 0));
+}
+
 inline void Source_field::add_leaf_moments(Index number, std::span<double> moments) const
 {
   const Point_tree::Node& node = tree_.node(number);
@@ -240,8 +262,7 @@ inline void Source_field::add_leaf_moments(Index number, std::span<double> momen
     const Index count = std::min(block, node.end - first);
     const Index padded = (count + lanes<double> - 1) / lanes<double> * lanes<double>;
     const Charges<double> s = charges(first);
-    const std::array<const double*, 7> arrays = {s.x,          s.y,          s.z,         s.weight,
-                                                 s.weighted_x, s.weighted_y, s.weighted_z};
+    const std::array<const double*, 7> arrays = {s.x, s.y, s.z, s.weight, s.weighted_x, s.weighted_y, s.weighted_z};
     for (std::size_t c = 0; c < 7; ++c)
       for (Index m = 0; m < padded; ++m)
         buffer[c][static_cast<std::size_t>(m)] = m < count ? arrays[c][m] - (c < 3 ? node.center[c] : 0) : 0;

@@ -46,10 +46,10 @@ public:
     }
   }
 
-  /// radial[m][lane] = (2 d/dq)^m of the weight at offsets[.][lane], where lengths are in units of unit[lane]; and
-  /// scales[lane], by which it has still to be multiplied.
-  void radial_derivatives(const Pack<double>* offsets, const Pack<double>& units, int degree, Pack<double>* radial,
-                          Pack<double>& scales) const
+  /// radial[m][lane] = (2 d/dq)^m of the weight at offsets[.][lane], where lengths are in units of units[lane], up to
+  /// the factor scales[lane] * scale(reference).
+  void radial_derivatives(const Pack<double>* offsets, const Pack<double>& units, double, int degree,
+                          Pack<double>* radial, Pack<double>& scales) const
   {
     std::array<double, max_expansion_degree + 1> values;
     for (int lane = 0; lane < lanes<double>; ++lane)
@@ -64,6 +64,8 @@ public:
       scales[lane] = 1;
     }
   }
+
+  double scale(double) const { return 1; }
 
   template <class Real>
   const Translation<Real>& translation() const
@@ -87,8 +89,7 @@ public:
 
   explicit Summation_kernels(const Inverse_distance<A, B>& influence)
     : near_factor_(influence.near_factor()), common_(kernels<A, B>())
-  {
-  }
+  {}
 
   std::string_view instruction_set() const { return common_.name; }
 
@@ -104,15 +105,17 @@ public:
     common_.add_direct_float(s, source_count, targets, target_count, static_cast<float>(near_factor_), sums);
   }
 
+  double scale(double reference) const { return integer_power(1 / reference, A); }
+
   template <class Real>
-  void radial_derivatives(const Pack<Real>* offsets, const Pack<Real>& units, int degree, Pack<Real>* radial,
-                          Pack<Real>& scales) const
+  void radial_derivatives(const Pack<Real>* offsets, const Pack<Real>& units, Real reference, int degree,
+                          Pack<Real>* radial, Pack<Real>& scales) const
   {
     // (unit r)^-A + c (unit r)^-B = unit^-A (r^-A + c unit^(A-B) r^-B)
     alignas(64) Pack<Real> near_factors;
     for (int lane = 0; lane < lanes<Real>; ++lane)
     {
-      scales[lane] = integer_power(1 / units[lane], A);
+      scales[lane] = integer_power(reference / units[lane], A);
       near_factors[lane] = static_cast<Real>(near_factor_) *
                            (A < B ? integer_power(1 / units[lane], B - A) : integer_power(units[lane], A - B));
     }

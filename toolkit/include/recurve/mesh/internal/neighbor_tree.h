@@ -1,5 +1,5 @@
-#ifndef RECURVE_MESH_INTERNAL_POINT_TREE_H
-#define RECURVE_MESH_INTERNAL_POINT_TREE_H
+#ifndef RECURVE_MESH_INTERNAL_NEIGHBOR_TREE_H
+#define RECURVE_MESH_INTERNAL_NEIGHBOR_TREE_H
 
 #include <recurve/core/types.h>
 
@@ -19,11 +19,11 @@ inline double squared_distance(const Point& a, const Point& b)
 
 /// Balanced kd-tree over points, for queries of a radius that differs from point to point (cells of a boundary layer
 /// are 10^4 times smaller than their neighbours; a grid of one size would be no help).
-class Point_tree
+class Neighbor_tree
 {
 public:
   /// \par Complexity  O(n log n).
-  explicit Point_tree(std::vector<Point> points) : points_(std::move(points)), order_(points_.size())
+  explicit Neighbor_tree(std::vector<Point> points) : points_(std::move(points)), order_(points_.size())
   {
     std::iota(order_.begin(), order_.end(), Index(0));
     if (!points_.empty())
