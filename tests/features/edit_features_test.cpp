@@ -417,3 +417,36 @@ TEST_CASE("apply_feature_edits: an empty surface and an empty list")
   CHECK(t.apply({}).edits.empty());
   CHECK(t.critical().empty());
 }
+
+TEST_CASE("apply_feature_edits: where vertices have one position, its name means all of them, or one by its number")
+{
+  Surface surface = flat_sheet();
+  const std::size_t n = surface.points.size();
+  const auto faces = surface.faces;
+  surface.points.insert(surface.points.end(), surface.points.begin(), surface.points.begin() + std::ptrdiff_t(n));
+  for (auto face : faces)
+  {
+    for (std::size_t& v : face)
+      v += n;
+    surface.faces.push_back(face);
+  }
+  const Mesh mesh = to_mesh(surface);
+  const auto count = [](const auto& flags) {
+    return std::count_if(flags.begin(), flags.end(), [](const auto& entry) { return entry.second; });
+  };
+  Flags s(mesh);
+  s.apply({line({{1, 1, 0}, {2, 1, 0}}), {.kind = Kind::vertices, .vertices = at({{3, 3, 0}})}});
+  CHECK(count(s.edge_flags) == 2);
+  CHECK(count(s.vertex_flags) == 2);
+
+  Flags t(mesh);
+  Feature_edit second = line({{1, 1, 0}, {2, 1, 0}});
+  second.vertices[0].copy = 1;
+  t.apply({second, {.kind = Kind::vertices, .vertices = {{.position = {3, 3, 0}, .copy = 0}}}});
+  CHECK(count(t.edge_flags) == 1);
+  CHECK(count(t.vertex_flags) == 1);
+  for (const auto& [v, is_sharp] : t.vertex_flags)
+    CHECK(is_sharp == (v.idx() < n && point_of(mesh, v) == Point{3, 3, 0}));
+  for (const auto& [e, flag] : t.edge_flags)
+    CHECK((!flag || mesh.vertex(e, 0).idx() >= n));
+}

@@ -409,7 +409,7 @@ TEST_CASE("degenerate surfaces can be curved", "[curve_surface]")
   }
 }
 
-TEST_CASE("wrong input is refused before anything is written", "[curve_surface]")
+TEST_CASE("curve_surface refuses wrong input before it writes anything", "[curve_surface]")
 {
   Surface sphere(icosphere(1));
   sphere.fit(2);

@@ -459,7 +459,7 @@ TEST_CASE("degenerate surfaces have documented outcomes", "[reconstruct_surface]
   }
 }
 
-TEST_CASE("wrong input is refused before anything is written", "[reconstruct_surface]")
+TEST_CASE("reconstruct_surface refuses wrong input before it writes anything", "[reconstruct_surface]")
 {
   const Mesh mesh = make_mesh(rough_sphere(1));
   CHECK_THROWS_AS(reconstruct(mesh, 0), Input_error);
