@@ -20,8 +20,8 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// (u, v, w) -> (u, v, w (hair + (u-a)^2 + (v-b)^2)), whose det J = hair + (u-a)^2 + (v-b)^2 is least along a line inside.
-/// Degree 2 of hexahedra and prisms has it, degree 3 of tetrahedra and pyramids.
+/// (u, v, w) -> (u, v, w (hair + (u-a)^2 + (v-b)^2)), whose det J = hair + (u-a)^2 + (v-b)^2 is least along a line
+/// inside. Degree 2 of hexahedra and prisms has it, degree 3 of tetrahedra and pyramids.
 struct Line_of_minima
 {
   double a, b, hair;
@@ -60,10 +60,10 @@ int least_degree_of_line(Element_type type)
 std::vector<Reference_point> usual_test_points(int degree)
 {
   std::vector<Reference_point> points = reference_nodes(Element_type::hexahedron, degree);
-  const std::vector<std::vector<double>> gauss = {{-0.5773502691896257, 0.5773502691896257},
-                                                  {-0.7745966692414834, 0, 0.7745966692414834},
-                                                  {-0.8611363115940526, -0.3399810435848563, 0.3399810435848563,
-                                                   0.8611363115940526}};
+  const std::vector<std::vector<double>> gauss = {
+    {-0.5773502691896257, 0.5773502691896257},
+    {-0.7745966692414834, 0, 0.7745966692414834},
+    {-0.8611363115940526, -0.3399810435848563, 0.3399810435848563, 0.8611363115940526}};
   for (const auto& rule : gauss)
     for (const double z : rule)
       for (const double y : rule)
@@ -220,7 +220,7 @@ TEST_CASE("bound_jacobian: tangled cells with positive Jacobians at corners and 
 {
   SECTION("linear hexahedron and prism; the worst of a random search")
   {
-    const std::vector<Point> hexahedron = {{-6, -6, 5}, {3, 6, -5},  {12, 7, -5},   {0, 6, -6},
+    const std::vector<Point> hexahedron = {{-6, -6, 5}, {3, 6, -5},  {12, 7, -5},  {0, 6, -6},
                                            {3, 4, 10},  {12, -6, 6}, {11, 14, 13}, {1, 8, 11}};
     const std::vector<Point> prism = {{-3, 3, -5}, {2, -6, 5}, {1, 4, -6}, {2, -6, 7}, {14, 6, 6}, {-2, 10, 14}};
     for (const auto& [type, nodes] :

@@ -111,7 +111,7 @@ TEST_CASE("deform_interior: exact cases", "[volume]")
   {
     const std::vector<Point> sources = {{0, 0, 0}, {2, 0, 0}}, given = {{1, 0, 0}, {0, 4, -2}};
     const auto s = displacements_at({{1, 0.7, -3}}, sources, given, 0.1, options);
-    CHECK(distance(s[0], {0.5, 2, -1}) < 1e-15);
+    CHECK(distance(s[0], {0.5, 2, -1}) < (method == Summation::plain ? 1e-15 : 1e-6));
   }
   SECTION("at a source it is that of the source")
   {

@@ -193,11 +193,11 @@ struct Deformation_case
 inline const std::vector<Deformation_case>& deformation_cases()
 {
   static const std::vector<Deformation_case> cases = {
-    {"sphere", fibonacci_sphere(12000), points_off_sphere(6000, 31, 1e-4, 2), 0.03},
-    {"sphere, long L", fibonacci_sphere(12000), points_off_sphere(6000, 32, 1e-4, 2), 2},
-    {"scattered box", random_box(12000, 33), points_off_box(6000, 34), 0.02},
-    {"grid box", grid_box(45), points_off_box(6000, 35), 1.0 / 45},
-    {"boundary layer", layered_sources(60), layered_targets(60, 6000, 36), 1}};
+    {"sphere", fibonacci_sphere(24000), points_off_sphere(4000, 31, 1e-4, 2), 0.02},
+    {"sphere, long L", fibonacci_sphere(24000), points_off_sphere(4000, 32, 1e-4, 2), 2},
+    {"scattered box", random_box(24000, 33), points_off_box(4000, 34), 0.02},
+    {"grid box", grid_box(64), points_off_box(4000, 35), 1.0 / 64},
+    {"boundary layer", layered_sources(120), layered_targets(120, 4000, 36), 1}};
   return cases;
 }
 

@@ -200,7 +200,8 @@ TEST_CASE("bisection keeps the polynomial", "[volume]")
             t[static_cast<std::size_t>(d + 1)] = p[static_cast<std::size_t>(first_axis + d)];
             t[0] -= p[static_cast<std::size_t>(first_axis + d)];
           }
-          const auto moved = static_cast<std::size_t>(is_first ? b : a), kept = static_cast<std::size_t>(is_first ? a : b);
+          const auto moved = static_cast<std::size_t>(is_first ? b : a),
+                     kept = static_cast<std::size_t>(is_first ? a : b);
           t[kept] += t[moved] / 2;
           t[moved] /= 2;
           for (int d = 0; d < dimension; ++d)

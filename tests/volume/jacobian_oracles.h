@@ -56,8 +56,9 @@ inline double sampled_jacobian(Element_type type, int degree, std::span<const Po
   return Sample(type, degree, xi).jacobian(nodes);
 }
 
-/// moves a point of the unit cube into the reference element; uniform in, uniform out is not asked for.
-inline Reference_point into_element(Element_type type, Reference_point p)
+/// moves a point of the unit cube into the reference element; uniform in, uniform out is not asked for. Close to the
+/// apex of a pyramid the derivatives of rational functions lose digits: points stay `apex_distance` away from it.
+inline Reference_point into_element(Element_type type, Reference_point p, double apex_distance = 1e-3)
 {
   for (double& x : p)
     x = std::clamp(x, 0.0, 1.0);
@@ -69,7 +70,7 @@ inline Reference_point into_element(Element_type type, Reference_point p)
     break;
   case Element_type::prism: p[0] *= 1 - p[1]; break;
   case Element_type::pyramid:
-    p[2] = std::min(p[2], 0.999); // close to the apex derivatives of rational functions lose digits
+    p[2] = std::min(p[2], 1 - apex_distance);
     p[0] *= 1 - p[2];
     p[1] *= 1 - p[2];
     break;
@@ -216,8 +217,8 @@ private:
         result[m] = simplex(nodes_[m], xi, 0, 2, axis) * simplex(nodes_[m], xi, 2, 1, axis);
         break;
       default:
-        result[m] = simplex(nodes_[m], xi, 0, 1, axis) * simplex(nodes_[m], xi, 1, 1, axis) *
-                    simplex(nodes_[m], xi, 2, 1, axis);
+        result[m] =
+          simplex(nodes_[m], xi, 0, 1, axis) * simplex(nodes_[m], xi, 1, 1, axis) * simplex(nodes_[m], xi, 2, 1, axis);
       }
     return result;
   }
@@ -259,9 +260,8 @@ private:
     std::vector<std::vector<Fraction>> rows; // of [functions at nodes | identity]
     for (std::size_t m = 0; m < n; ++m)
     {
-      rows.push_back(pyramid_functions({Fraction(nodes_[m][0], degree_), Fraction(nodes_[m][1], degree_),
-                                        Fraction(nodes_[m][2], degree_)},
-                                       -1));
+      rows.push_back(pyramid_functions(
+        {Fraction(nodes_[m][0], degree_), Fraction(nodes_[m][1], degree_), Fraction(nodes_[m][2], degree_)}, -1));
       rows.back().resize(2 * n);
       rows.back()[n + m] = 1;
     }
@@ -302,6 +302,8 @@ inline Fraction_point fractions(const Reference_point& p)
 inline Reference_point descend(Element_type type, int degree, std::span<const Point> nodes, Reference_point start,
                                int halvings)
 {
+  constexpr double apex_distance = 1e-6; // enough digits to compare, and the limit at the apex is in sight
+  const auto image = [type](const Reference_point& p) { return into_element(type, p, apex_distance); };
   // in the coordinates of the cube that into_element() maps
   Reference_point cube = start;
   switch (type)
@@ -317,7 +319,7 @@ inline Reference_point descend(Element_type type, int degree, std::span<const Po
     break;
   default: break;
   }
-  double best = sampled_jacobian(type, degree, nodes, into_element(type, cube));
+  double best = sampled_jacobian(type, degree, nodes, image(cube));
   double step = 0.1;
   for (int halving = 0; halving < halvings;)
   {
@@ -327,7 +329,7 @@ inline Reference_point descend(Element_type type, int degree, std::span<const Po
       {
         Reference_point trial = cube;
         trial[axis] = std::clamp(trial[axis] + sign * step, 0.0, 1.0);
-        const double value = sampled_jacobian(type, degree, nodes, into_element(type, trial));
+        const double value = sampled_jacobian(type, degree, nodes, image(trial));
         if (value < best)
         {
           best = value;
@@ -341,7 +343,7 @@ inline Reference_point descend(Element_type type, int degree, std::span<const Po
       ++halving;
     }
   }
-  return into_element(type, cube);
+  return image(cube);
 }
 
 inline constexpr std::array<Element_type, 4> all_cells = {Element_type::tetrahedron, Element_type::pyramid,

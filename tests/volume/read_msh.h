@@ -100,13 +100,16 @@ private:
   {
     for (int left = count(); left > 0;)
     {
-      int id = is_binary_ ? 0 : next<int>(), code = next<int>(), in_run = is_binary_ ? next<int>() : 1;
+      if (!is_binary_)
+        next<int>(); // its number
+      const int code = next<int>();
+      int in_run = is_binary_ ? next<int>() : 1;
       const int tags = next<int>();
       left -= in_run;
       for (; in_run > 0; --in_run)
       {
         if (is_binary_)
-          id = next<int>();
+          next<int>();
         for (int t = 0; t < tags; ++t)
           next<int>();
         read_element(code);

@@ -32,6 +32,7 @@ public:
   };
 
   const std::array<std::int8_t, 3>& powers(int term) const { return powers_[static_cast<std::size_t>(term)]; }
+  /// also of the three numbers after the last monomial, which kernels touch when they work in blocks of four.
   int degree(int term) const { return degrees_[static_cast<std::size_t>(term)]; }
   const Recurrence& recurrence(int term) const { return recurrences_[static_cast<std::size_t>(term)]; }
 
@@ -72,6 +73,7 @@ inline Expansion_table::Expansion_table()
         powers_.push_back({static_cast<std::int8_t>(i), static_cast<std::int8_t>(j), static_cast<std::int8_t>(k)});
         degrees_.push_back(degree);
       }
+  degrees_.resize(degrees_.size() + 3, max_expansion_degree);
   for (const auto& p : powers_)
   {
     Recurrence r = {0, -1, -1, 0};

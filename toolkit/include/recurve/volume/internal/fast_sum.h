@@ -45,8 +45,8 @@ struct Sum_tally
 /// are positive and no |s_i| exceeds 1, an error e of the sum of weights (and of each weighted displacement) is an
 /// error of at most 2 e / sum w of the quotient. So each cell of targets may spend `tolerance / 2` times a lower bound
 /// of its sum of weights: part of it goes to all source cells in proportion to their own weights, part where it saves
-/// most, to cells that are far and many but weigh little, and the rest to the nearest. What is spent is bounded strictly
-/// and counted.
+/// most, to cells that are far and many but weigh little, and the rest to the nearest. What is spent is bounded
+/// strictly and counted.
 template <class I>
 class Fast_sum
 {

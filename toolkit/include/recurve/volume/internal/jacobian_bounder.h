@@ -162,9 +162,9 @@ private:
   {
     double* const root = rounded_.root(table.bisections.size);
     for (std::size_t m = 0; m < table.positions.size(); ++m)
-      root[m] = batch_.coefficients[static_cast<std::size_t>(table.positions[m]) *
-                                      static_cast<std::size_t>(kernel_.batch) +
-                                    lane];
+      root[m] =
+        batch_
+          .coefficients[static_cast<std::size_t>(table.positions[m]) * static_cast<std::size_t>(kernel_.batch) + lane];
   }
 
   Jacobian_bounds examine_exactly(const Jacobian_table& table, const Jacobian_options& options)

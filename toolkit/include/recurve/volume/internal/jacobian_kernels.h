@@ -11,6 +11,10 @@
 #include <string_view>
 #include <utility>
 
+#if defined(__FAST_MATH__)
+  #error "bounds of rounding errors need IEEE arithmetic: do not compile bound_jacobian.h with -ffast-math"
+#endif
+
 namespace recurve::internal {
 
 /// Largest number of elements in a batch.

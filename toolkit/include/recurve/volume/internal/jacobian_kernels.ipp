@@ -1,7 +1,7 @@
 // Coefficients of det J for a batch of elements, one to a lane. jacobian_kernels.h includes this file once per
-// instruction set, inside a namespace and under a target pragma, with RECURVE_SIMD_WIDTH doubles to a vector. Everything
-// is plain IEEE arithmetic, lane by lane, so that the bits of an element depend neither on the width nor on its
-// companions.
+// instruction set, inside a namespace and under a target pragma, with RECURVE_SIMD_WIDTH doubles to a vector.
+// Everything is plain IEEE arithmetic, lane by lane, so that the bits of an element depend neither on the width nor on
+// its companions.
 
 inline constexpr int width = RECURVE_SIMD_WIDTH;
 
@@ -39,9 +39,10 @@ struct Norms
   }
 };
 
-/// result = nodes `to` - nodes `from`; keeps the largest magnitudes, and in `poison` a NaN once a difference is not finite.
+/// result = nodes `to` - nodes `from`; keeps the largest magnitudes, and in `poison` a NaN once a difference is not
+/// finite.
 inline void take_differences(const Field_table& field, const double* nodes, double* result, Reals* largest,
-                                    Reals& poison)
+                             Reals& poison)
 {
   for (int m = 0; m < field.difference_count(); ++m)
     for (int d = 0; d < 3; ++d)
@@ -54,7 +55,8 @@ inline void take_differences(const Field_table& field, const double* nodes, doub
     }
 }
 
-/// applies `factor` to the index of `size` / `stride` / columns runs of `stride` points. Returns the size of the result.
+/// applies `factor` to the index of `size` / `stride` / columns runs of `stride` points. Returns the size of the
+/// result.
 inline int apply_factor(const Sparse_matrix& factor, int stride, int size, const double* given, double* result)
 {
   const int runs = size / (stride * factor.columns);
@@ -77,8 +79,7 @@ inline int apply_factor(const Sparse_matrix& factor, int stride, int size, const
 }
 
 /// result = scaled coefficients of the field; keeps the largest magnitudes before scaling.
-inline void make_field(const Field_table& field, double* differences, double* buffer, double* result,
-                              Reals* largest)
+inline void make_field(const Field_table& field, double* differences, double* buffer, double* result, Reals* largest)
 {
   int size = field.difference_count();
   double* given = differences;
@@ -109,7 +110,8 @@ inline void multiply_cross(const Jacobian_table& table, const double* v, const d
   for (int i = 0; i < first.size(); ++i)
   {
     const Reals x = reals(v, 3 * i), y = reals(v, 3 * i + 1), z = reals(v, 3 * i + 2);
-    double* const shifted = cross + static_cast<std::ptrdiff_t>(3 * width) * first.positions[static_cast<std::size_t>(i)];
+    double* const shifted =
+      cross + static_cast<std::ptrdiff_t>(3 * width) * first.positions[static_cast<std::size_t>(i)];
     for (int j = 0; j < count; ++j)
     {
       const Reals a = reals(w, 3 * j), b = reals(w, 3 * j + 1), c = reals(w, 3 * j + 2);

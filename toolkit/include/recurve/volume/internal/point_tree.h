@@ -38,6 +38,7 @@ public:
   };
 
   Point_tree() = default;
+  /// \pre capacity >= 2
   Point_tree(std::vector<Numbered_point> points, Index capacity);
 
   bool is_empty() const { return points_.empty(); }

@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <string_view>
-#include <type_traits>
+#include <utility>
 
 #if defined(__x86_64__)
   #include <immintrin.h>

@@ -201,6 +201,13 @@ void derivative_tensor(const Expansion_table& table, int degree, const Pack<Real
   }
 }
 
+/// element i of the result is element i / 2 + `Offset` of `a` (even i) or of `b` (odd i).
+template <int Offset, class Vector, int... I>
+inline Vector interleave(const Vector a, const Vector b, std::integer_sequence<int, I...>)
+{
+  return __builtin_shufflevector(a, b, (I / 2 + I % 2 * static_cast<int>(sizeof...(I)) + Offset)...);
+}
+
 /// columns[m][lane] = factors[degree of m / 4][lane] * rows[lane][m] for m < count, a multiple of 16.
 template <class Real>
 void transpose(const Expansion_table& table, const Real* const* rows, int count, const Pack<Real>* factors,
@@ -208,14 +215,7 @@ void transpose(const Expansion_table& table, const Real* const* rows, int count,
 {
   using Vector = typename Vector_of<Real>::type;
   constexpr int n = Vector_of<Real>::size;
-  typedef std::conditional_t<sizeof(Real) == 4, std::int32_t, std::int64_t> Int;
-  typedef Int Mask __attribute__((vector_size(width * sizeof(double))));
-  Mask low, high;
-  for (int i = 0; i < n; ++i)
-  {
-    low[i] = i / 2 + i % 2 * n;
-    high[i] = low[i] + n / 2;
-  }
+  constexpr std::make_integer_sequence<int, n> elements;
   for (int at = 0; at < lanes<Real>; at += n)
     for (int m = 0; m < count; m += n)
     {
@@ -230,8 +230,8 @@ void transpose(const Expansion_table& table, const Real* const* rows, int count,
 #pragma GCC unroll 8
         for (int i = 0; i < n / 2; ++i)
         {
-          next[2 * i] = __builtin_shuffle(block[i], block[i + n / 2], low);
-          next[2 * i + 1] = __builtin_shuffle(block[i], block[i + n / 2], high);
+          next[2 * i] = interleave<0>(block[i], block[i + n / 2], elements);
+          next[2 * i + 1] = interleave<n / 2>(block[i], block[i + n / 2], elements);
         }
 #pragma GCC unroll 16
         for (int i = 0; i < n; ++i)
