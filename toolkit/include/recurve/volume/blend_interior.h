@@ -51,15 +51,14 @@ struct Blend_report
 ///
 /// \tparam PointRange   model of `Point_range` (random access, sized), writable; not copied.
 /// \tparam StateRange   contiguous range of `Node_state`, one per node.
-/// \tparam BlockRange   model of `Element_block_range`: cells, and triangles or quadrangles that are no cell's face.
-/// Lines
-///                      are ignored.
+/// \tparam BlockRange   model of `Element_block_range`: cells, and triangles or quadrangles that are no cell's face;
+///                      lines are ignored.
 /// \param nodes   positions of all nodes.
 /// \param states  on exit `Node_state::blended` for each node that was moved.
 /// \param degree  degree p of all elements.
 /// \throws Input_error if `degree` is outside [1, max_degree], sizes do not match, or an element names a node that does
 ///         not exist; nothing is changed then.
-/// \par Complexity  one pass over the elements' nodes; memory and work beyond that in proportion to the touched
+/// \par Complexity  one pass over the elements' nodes; beyond it, work and memory in proportion to the touched
 /// elements. \par Source      Gordon & Hall 1973, Numer. Math. 21; Szabo & Babuska 1991, Finite Element Analysis.
 template <Point_range PointRange, class StateRange, Element_block_range BlockRange>
 Blend_report blend_interior(PointRange&& nodes, StateRange&& states, const BlockRange& blocks, int degree)

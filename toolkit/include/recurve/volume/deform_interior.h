@@ -64,17 +64,18 @@ private:
 /// What a caller has to see to, in this order, since this function knows points only:
 ///   1. Feature curves and curved faces have their final position; no corner on a curved patch has moved.
 ///   2. Uncurved patches follow their rim before the interior does: call this function with the rim's nodes as sources
-///      and the patch's other nodes as targets. For a plane, take the part of the rim's displacement in the plane, and
-///      give targets two in-plane coordinates (or drop the normal component of `Interior_deformer::evaluate()`), so
-///      that planar stays planar to the bit.
+///      and the patch's other nodes as targets. A component of the displacement that no source has, no target gets, to
+///      the bit: a patch in a coordinate plane stays in it if the rim does. In an oblique plane, first take the rim's
+///      displacement along the plane, then put the targets back on it.
 ///   3. Of a periodic pair of patches, deform one and copy it with the period to the other. A node at an interface
 ///      between zones is one target.
-///   4. Sources are all nodes of the boundary after that, also those at rest, each once. `length` is the mean edge
-///      length of the active surface (`mean_edge_length()`), `weights` optionally the areas of the nodes
-///      (`node_areas()`).
-///   5. Targets are the nodes that are not sources. A displacement that is round-off relative to the local edges is
-///   best
-///      dropped, so that straight cells stay straight; so is all that lies beyond `Summation_options::reach`.
+///   4. Sources are all nodes of the boundary after that, at their positions before the motion, also those at rest,
+///   each
+///      once. `length` is the mean edge length of the active surface (`mean_edge_length()`), `weights` are optionally
+///      the areas of the nodes (`node_areas()`).
+///   5. Targets are the nodes that are not sources. Drop a displacement that is round-off relative to the local edges
+///      (use `Interior_deformer::evaluate()`), so that straight cells stay straight; all beyond
+///      `Summation_options::reach` is exactly zero already.
 ///
 /// \tparam Sources, Displacements  models of `Point_range`: positions before the motion, and the motion.
 /// \tparam Targets  model of `Point_range`, writable.

@@ -212,35 +212,28 @@ inline Blend_weights::Triangle_view Blend_weights::triangle_view(int face, const
 {
   const Reference_face& f = element_->faces[static_cast<std::size_t>(face)];
   Triangle_view view = {{}, 1};
-  std::array<bool, 2> is_constant = {true, true}; // of a pyramid: the coordinate in which the base edge does not vary
-  int base_corner = 0;
-  for (std::size_t m = 0; m < 3; ++m)
-    for (std::size_t n = 0; n < 3; ++n)
-      if (f.corners[m] != 4 && f.corners[n] != 4)
-        for (std::size_t d = 0; d < 2; ++d)
-        {
-          base_corner = f.corners[m];
-          is_constant[d] = is_constant[d] && element_->corners[static_cast<std::size_t>(f.corners[m])][d] ==
-                                               element_->corners[static_cast<std::size_t>(f.corners[n])][d];
-        }
-  for (std::size_t m = 0; m < 3; ++m)
+  const auto corner = [&](std::size_t m) { return static_cast<std::size_t>(f.corners[m]); };
+  if (element_->type == Element_type::tetrahedron)
+    for (std::size_t m = 0; m < 3; ++m)
+      view.l[m] = barycentric(x)[corner(m)];
+  else if (element_->type == Element_type::prism)
   {
-    const auto corner = static_cast<std::size_t>(f.corners[m]);
-    if (element_->type == Element_type::tetrahedron)
-      view.l[m] = barycentric(x)[corner];
-    else if (element_->type == Element_type::prism)
-    {
-      view.l[m] = barycentric({x[0], x[1], 0})[corner % 3];
-      view.w = side(element_->corners[corner][2], x[2]);
-    }
-    else if (corner == 4)
-      view.l[m] = x[2];
-    else
-    {
-      const std::size_t along = is_constant[0] ? 1 : 0;
-      view.l[m] = side(element_->corners[corner][along], collapsed(x)[along]) * (1 - x[2]);
-      view.w = side(element_->corners[static_cast<std::size_t>(base_corner)][1 - along], collapsed(x)[1 - along]);
-    }
+    for (std::size_t m = 0; m < 3; ++m)
+      view.l[m] = barycentric({x[0], x[1], 0})[corner(m) % 3];
+    view.w = side(element_->corners[corner(0)][2], x[2]);
+  }
+  else
+  {
+    // Of a pyramid: its base edge runs along one coordinate of the section, and the face fades along the other.
+    const std::size_t apex = corner(0) == 4 ? 0 : corner(1) == 4 ? 1 : 2;
+    const auto& ca = element_->corners[corner((apex + 1) % 3)];
+    const auto& cb = element_->corners[corner((apex + 2) % 3)];
+    const std::size_t along = ca[0] != cb[0] ? 0 : 1;
+    const Reference s = collapsed(x);
+    view.l[apex] = x[2];
+    view.l[(apex + 1) % 3] = side(ca[along], s[along]) * (1 - x[2]);
+    view.l[(apex + 2) % 3] = side(cb[along], s[along]) * (1 - x[2]);
+    view.w = side(ca[1 - along], s[1 - along]);
   }
   return view;
 }
