@@ -1,0 +1,125 @@
+#include "command.h"
+#include "describe.h"
+#include "interruption.h"
+#include "surface_options.h"
+
+#include <recurve/io/mesh_io.h>
+#include <recurve/run/curve_mesh.h>
+#include <recurve/run/stages.h>
+
+#include <chrono>
+#include <memory>
+#include <optional>
+
+namespace recurve {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Curve_arguments
+{
+  fs::path input, output, report;
+  Surface_options surface;
+  Curving_options options;
+  bool is_quiet = false;
+};
+
+/// refuses before the work what can only fail after it.
+void check_files(const Curve_arguments& given)
+{
+  check_usage([&] { check_writable(given.output, given.options.degree); });
+  check_is_not_input(given.output, given.input);
+  if (!given.report.empty() && (is_same_file(given.report, given.input) || is_same_file(given.report, given.output)))
+    throw Usage_error(fmt::format("{}: the report needs a file of its own", given.report.string()));
+}
+
+/// the two files of a conversion: both complete, or none there.
+class Results
+{
+public:
+  explicit Results(const Curve_arguments& given) : mesh_(given.output), report_path_(given.report)
+  {
+    remember_unfinished(0, mesh_.path());
+    if (!report_path_.empty() && !is_stream(report_path_))
+    {
+      report_.emplace(report_path_);
+      remember_unfinished(1, report_->path());
+    }
+  }
+
+  Pending_file& mesh() { return mesh_; }
+
+  void commit(const Curving_report& report)
+  {
+    if (report_)
+      write_text(to_json(report), report_->path(), report_path_);
+    else if (!report_path_.empty())
+      write_text(to_json(report), report_path_, report_path_);
+    mesh_.commit();
+    if (report_)
+      report_->commit();
+  }
+
+private:
+  Pending_file mesh_;
+  fs::path report_path_;
+  std::optional<Pending_file> report_;
+};
+
+int run(Curve_arguments& given)
+{
+  finish_surface_options(given.surface, given.options);
+  check_files(given);
+  Progress_bar bar(!given.is_quiet);
+  const Progress_callback progress = callback_of(bar);
+  const auto start = std::chrono::steady_clock::now();
+
+  Read_report read_report;
+  std::vector<Stage_time> read_time;
+  Volume_mesh linear =
+    run_stage("read", read_time, progress, [&] { return read_mesh(given.input, &read_report, progress); });
+  Results results(given);
+  Curving_report report;
+  const Curved_mesh curved =
+    naming(given.input, [&] { return curve_mesh(std::move(linear), given.options, &report, progress); });
+  run_stage("write", report.stages, progress, [&] { write_mesh(curved, results.mesh(), {}, progress); });
+
+  report.input = given.input.string();
+  report.output = given.output.string();
+  report.notes = read_report.notes;
+  report.stages.insert(report.stages.begin(), read_time.begin(), read_time.end());
+  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  report.peak_memory_bytes = peak_memory_bytes();
+  results.commit(report);
+  bar.finish();
+  if (!given.is_quiet)
+    fmt::print("{}", describe(report));
+  return exit_done;
+}
+
+} // namespace
+
+Command add_curve_command(CLI::App& app)
+{
+  auto given = std::make_shared<Curve_arguments>();
+  CLI::App* curve = app.add_subcommand("curve", "curve a mesh: recurve curve IN OUT");
+  curve->footer(app.get_footer());
+  curve->add_option("IN", given->input, "linear mesh to read")->required();
+  curve->add_option("OUT", given->output, "curved mesh to write; the format goes by the extension")->required();
+  curve->add_option("-p,--degree", given->options.degree, "degree of the elements")
+    ->check(CLI::Range(1, max_degree))
+    ->capture_default_str();
+  curve
+    ->add_option("-d,--fit-degree", given->options.fit_degree,
+                 "degree of the polynomials fitted to the surface (default: the degree of the elements, at least 2)")
+    ->check(CLI::Range(1, max_degree));
+  add_surface_options(*curve, given->surface, given->options);
+  curve->add_option("--report", given->report, "write what happened as JSON")->type_name("FILE.json");
+  curve->add_option("--threads", given->options.threads, "largest number of threads (default: all)")
+    ->check(CLI::Range(1, 4096));
+  curve->add_flag("-q,--quiet", given->is_quiet, "no progress bar and no summary");
+  return [given] { return run(*given); };
+}
+
+} // namespace recurve
