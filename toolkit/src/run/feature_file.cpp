@@ -136,7 +136,8 @@ private:
     const toml::node* action = table.get("action");
     for (const auto& [key, value] : table)
     {
-      const auto kind = std::find_if(kinds.begin(), kinds.end(), [&k = key](const auto& k_) { return k == k_.first; });
+      const auto kind =
+        std::find_if(kinds.begin(), kinds.end(), [&k = key](const auto& known) { return k == known.first; });
       if (kind != kinds.end())
       {
         if (subject)
