@@ -21,7 +21,7 @@ build/release/toolkit/apps/recurve curve data/wing_tetrahedra.cgns "$demo/wing_c
 
 step "pictures"
 # Debian's own Python: another one on the path would not see its packages.
-/usr/bin/python3 toolkit/doc/render.py data/wing_tetrahedra.cgns "$demo/wing_curved.cgns" "$demo" \
+/usr/bin/python3 toolkit/doc/render.py "$demo/wing_curved.cgns" "$demo" \
   --patch 'wing_*' --at 0.515 1.47 0 --from 0.1 2.3 0.25 --width 0.12 --section 0.03 0.08
 
 step "done"

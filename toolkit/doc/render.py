@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """Draws a mesh before and after curving, without a display.
 
-usage: render.py BEFORE.cgns AFTER.cgns DIRECTORY [--patch NAME ...] [--at X Y Z] [--from X Y Z] [--width W]
-                 [--section X WIDTH]
+usage: render.py CURVED.cgns DIRECTORY [--patch NAME ...] [--at X Y Z] [--from X Y Z] [--width W] [--section X WIDTH]
 
-Writes before.png and after.png: the boundary faces of the patches (names or wildcards; default: all), seen along the direction
-from --from to --at, W wide, each element as its polynomial is, edges of elements in dark; and section.png: the edges
-of the same patches in the plane y = 0 around (X, 0, 0), both meshes in one plot. Needs numpy, h5py and matplotlib.
+Writes before.png and after.png: the boundary faces of the patches (names or wildcards; default: all), seen along the
+direction from --from to --at, W wide, each element as its polynomial is, edges of elements in dark; by default the
+whole of them from above and aside. "Before" are the same faces with straight sides between their corners, which
+curving leaves where they were. With --section also section.png: the edges of the same patches in the plane y = 0
+around (X, 0, 0), both meshes in one plot. Needs numpy, h5py and matplotlib.
 """
 import argparse
 import fnmatch
@@ -246,24 +247,45 @@ def draw_section(before, after, path, options):
     figure.savefig(path)
 
 
+def straight_sided(blocks):
+    """The same elements with their corners only."""
+    return [(corners, 1, nodes[:, :corners]) for corners, _, nodes in blocks]
+
+
+def fit_view(blocks, options):
+    """Sets what the caller left open of the view: all of the patches, from above and aside."""
+    points = np.concatenate([nodes.reshape(-1, 3) for _, _, nodes in blocks])
+    low, high = points.min(axis=0), points.max(axis=0)
+    diagonal = np.linalg.norm(high - low)
+    if options.at is None:
+        options.at = (low + high) / 2
+    if getattr(options, "from") is None:
+        setattr(options, "from", np.array(options.at) + diagonal * np.array((-1, 1, 1)))
+    if options.width is None:
+        options.width = 1.05 * diagonal
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("before", type=Path)
-    parser.add_argument("after", type=Path)
+    parser.add_argument("curved", type=Path)
     parser.add_argument("directory", type=Path)
     parser.add_argument("--patch", nargs="+", default=["*"])
-    parser.add_argument("--at", nargs=3, type=float, default=(0, 0, 0))
-    parser.add_argument("--from", nargs=3, type=float, default=(-1, 1, 1))
-    parser.add_argument("--width", type=float, default=1)
-    parser.add_argument("--section", nargs=2, type=float, default=(0, 1), metavar=("X", "WIDTH"))
+    parser.add_argument("--at", nargs=3, type=float)
+    parser.add_argument("--from", nargs=3, type=float)
+    parser.add_argument("--width", type=float)
+    parser.add_argument("--section", nargs=2, type=float, metavar=("X", "WIDTH"))
     options = parser.parse_args()
 
-    before, after = read_faces(options.before, options.patch), read_faces(options.after, options.patch)
-    if not before or not after:
+    after = read_faces(options.curved, options.patch)
+    if not after:
         parser.error("no boundary faces in patches " + " ".join(options.patch))
+    before = straight_sided(after)
+    fit_view(after, options)
+    options.directory.mkdir(parents=True, exist_ok=True)
     draw(before, options.directory / "before.png", options)
     draw(after, options.directory / "after.png", options)
-    draw_section(before, after, options.directory / "section.png", options)
+    if options.section:
+        draw_section(before, after, options.directory / "section.png", options)
 
 
 if __name__ == "__main__":

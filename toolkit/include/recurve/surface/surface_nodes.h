@@ -38,8 +38,8 @@ struct Face_node
 ///
 /// \tparam Graph    model of `FaceListGraph`; triangles and quads. The graph must outlive this object and keep its
 ///                  vertices, edges and faces.
-/// \tparam Point_3  CGAL point, made from three doubles.
-template <class Graph, class Point_3 = typename boost::property_traits<
+/// \tparam Point3  CGAL point, made from three doubles.
+template <class Graph, class Point3 = typename boost::property_traits<
                          typename boost::property_map<Graph, CGAL::vertex_point_t>::const_type>::value_type>
 class Surface_nodes
 {
@@ -56,13 +56,13 @@ public:
   struct Edge_map
   {
     using key_type = Edge_node<Graph>;
-    using value_type = Point_3;
+    using value_type = Point3;
     using reference = void;
     using category = boost::writable_property_map_tag;
 
     Surface_nodes* nodes = nullptr;
 
-    friend void put(const Edge_map& map, const key_type& key, const Point_3& point)
+    friend void put(const Edge_map& map, const key_type& key, const Point3& point)
     {
       map.nodes->set_edge_node(key.halfedge, key.k, point);
     }
@@ -72,13 +72,13 @@ public:
   struct Face_map
   {
     using key_type = Face_node<Graph>;
-    using value_type = Point_3;
+    using value_type = Point3;
     using reference = void;
     using category = boost::writable_property_map_tag;
 
     Surface_nodes* nodes = nullptr;
 
-    friend void put(const Face_map& map, const key_type& key, const Point_3& point)
+    friend void put(const Face_map& map, const key_type& key, const Point3& point)
     {
       map.nodes->set_face_node(key.face, key.m, point);
     }
@@ -97,7 +97,7 @@ public:
   Face_map face_map() { return {this}; }
 
   /// node k of the edge seen from source(`halfedge`), 1 <= k <= p - 1; both halfedges of an edge name the same nodes.
-  const Point_3& edge_node(halfedge_descriptor halfedge, int k) const
+  const Point3& edge_node(halfedge_descriptor halfedge, int k) const
   {
     return edge_points_[edge_position(halfedge, k)];
   }
@@ -110,23 +110,23 @@ public:
   }
 
   /// node m inside `face`, numbered as in `Face_node`.
-  const Point_3& face_node(face_descriptor face, int m) const { return face_points_[face_position(face, m)]; }
+  const Point3& face_node(face_descriptor face, int m) const { return face_points_[face_position(face, m)]; }
 
-  void set_edge_node(halfedge_descriptor halfedge, int k, const Point_3& point)
+  void set_edge_node(halfedge_descriptor halfedge, int k, const Point3& point)
   {
     edge_points_[edge_position(halfedge, k)] = point;
   }
 
-  void set_face_node(face_descriptor face, int m, const Point_3& point)
+  void set_face_node(face_descriptor face, int m, const Point3& point)
   {
     face_points_[face_position(face, m)] = point;
   }
 
   /// all nodes inside edges: p - 1 per edge, in the order of `edges(g)`, each from source(halfedge(edge, g)).
-  std::span<const Point_3> edge_nodes() const { return edge_points_; }
+  std::span<const Point3> edge_nodes() const { return edge_points_; }
 
   /// all nodes inside faces, in the order of `faces(g)`.
-  std::span<const Point_3> face_nodes() const { return face_points_; }
+  std::span<const Point3> face_nodes() const { return face_points_; }
 
 private:
   // Half-edges are numbered 2 e and 2 e + 1. Asking whether h == halfedge(edge(h, g), g) would not do: an edge of CGAL
@@ -144,18 +144,18 @@ private:
   Halfedge_numbers halfedge_numbers_;
   Face_numbers face_numbers_;
   std::vector<Index> face_first_;
-  std::vector<Point_3> edge_points_;
-  std::vector<Point_3> face_points_;
+  std::vector<Point3> edge_points_;
+  std::vector<Point3> face_points_;
 };
 
-template <class Graph, class Point_3>
+template <class Graph, class Point3>
 template <class VertexPointMap>
-Surface_nodes<Graph, Point_3>::Surface_nodes(const Graph& g, int degree, VertexPointMap vertex_points)
+Surface_nodes<Graph, Point3>::Surface_nodes(const Graph& g, int degree, VertexPointMap vertex_points)
   : graph_(&g), degree_(degree), halfedge_numbers_(get(CGAL::dynamic_halfedge_property_t<Index>(), g)),
     face_numbers_(get(CGAL::dynamic_face_property_t<Index>(), g))
 {
   internal::surface::check_element_degree(degree);
-  const auto push = [](std::vector<Point_3>& points, const Point& x) { points.emplace_back(x[0], x[1], x[2]); };
+  const auto push = [](std::vector<Point3>& points, const Point& x) { points.emplace_back(x[0], x[1], x[2]); };
   Index number = 0;
   for (const edge_descriptor e : edges(g))
   {

@@ -36,11 +36,11 @@ inline void add_to_report(const Point& displacement, double edge_length, Curving
     report.largest_relative_displacement = std::max(report.largest_relative_displacement, way / edge_length);
 }
 
-template <class Point_3, class Node>
-Point_3 moved_point(const Node& node)
+template <class Point3, class Node>
+Point3 moved_point(const Node& node)
 {
   const Point x = add(node.straight, node.displacement);
-  return Point_3(x[0], x[1], x[2]);
+  return Point3(x[0], x[1], x[2]);
 }
 
 /// calls work(i) for i = first, ..., last - 1 on all threads.
@@ -53,7 +53,7 @@ void for_each_in_parallel(Index first, Index last, const Work& work)
   });
 }
 
-template <class Point_3, class Graph, class Placer, class EdgeNodeMap>
+template <class Point3, class Graph, class Placer, class EdgeNodeMap>
 void place_edges(const Graph& g, const Placer& placer, EdgeNodeMap edge_nodes, int degree,
                  const Progress_callback& progress, Curving_surface_report& report)
 {
@@ -77,7 +77,7 @@ void place_edges(const Graph& g, const Placer& placer, EdgeNodeMap edge_nodes, i
         const auto& node = nodes[(i - first) * per_edge + k - 1];
         if (is_zero(node.displacement))
           continue;
-        put(edge_nodes, Edge_node<Graph>{halfedge(all[i], g), k}, moved_point<Point_3>(node));
+        put(edge_nodes, Edge_node<Graph>{halfedge(all[i], g), k}, moved_point<Point3>(node));
         ++report.moved_edge_nodes;
         add_to_report(node.displacement, lengths[i - first], report);
       }
@@ -85,7 +85,7 @@ void place_edges(const Graph& g, const Placer& placer, EdgeNodeMap edge_nodes, i
   }
 }
 
-template <class Point_3, class Graph, class Placer, class FaceNodeMap>
+template <class Point3, class Graph, class Placer, class FaceNodeMap>
 void place_faces(const Graph& g, const Placer& placer, FaceNodeMap face_nodes, const Progress_callback& progress,
                  Curving_surface_report& report)
 {
@@ -106,7 +106,7 @@ void place_faces(const Graph& g, const Placer& placer, FaceNodeMap face_nodes, c
         const auto& node = nodes[i - first][m];
         if (is_zero(node.displacement))
           continue;
-        put(face_nodes, Face_node<Graph>{all[i], m}, moved_point<Point_3>(node));
+        put(face_nodes, Face_node<Graph>{all[i], m}, moved_point<Point3>(node));
         ++report.moved_face_nodes;
         add_to_report(node.displacement, lengths[i - first], report);
       }

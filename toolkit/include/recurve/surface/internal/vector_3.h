@@ -47,8 +47,8 @@ inline double largest_coordinate(const Point& a)
 }
 
 /// the coordinates of a CGAL point.
-template <class Point_3>
-Point point_of(const Point_3& p)
+template <class Point3>
+Point point_of(const Point3& p)
 {
   return {CGAL::to_double(p.x()), CGAL::to_double(p.y()), CGAL::to_double(p.z())};
 }
