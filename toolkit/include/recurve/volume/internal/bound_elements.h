@@ -52,8 +52,8 @@ inline void set_nodes(Jacobian_bounder& bounder, const Jacobian_table& table, st
         *to++ = x;
 }
 
-/// Bounds the elements of one block, or some of them, and gathers their report. Nothing in it depends on the order of
-/// the elements.
+/// Bounds the elements of one block, or those of a selection, and gathers their report. Nothing in it depends on the
+/// order of the elements.
 template <class Nodes, class Is_straight, class Visit>
 class Block_bounder
 {
@@ -67,7 +67,8 @@ public:
       straight_table_(jacobian_table(block.type, 1))
   {}
 
-  Jacobian_report report() const
+  /// \param selection  numbers of elements; empty: all
+  Jacobian_report report(std::span<const Index> selection = {}) const
   {
     constexpr Index grain = 128; // many batches
     const auto size = static_cast<Index>(block_.nodes.size());
@@ -75,10 +76,11 @@ public:
       throw Input_error("bound_jacobians: block " + std::to_string(number_) + " has " + std::to_string(size) +
                         " nodes, which is no multiple of the " + std::to_string(stride_) + " of a " +
                         std::string(element_name(block_.type)));
+    const Index count = selection.empty() ? size / stride_ : static_cast<Index>(selection.size());
     return tbb::parallel_reduce(
-      tbb::blocked_range<Index>(0, size / stride_, grain), Jacobian_report(),
-      [this](const tbb::blocked_range<Index>& range, Jacobian_report sum) {
-        add_range(range.begin(), range.end(), sum);
+      tbb::blocked_range<Index>(0, count, grain), Jacobian_report(),
+      [this, selection](const tbb::blocked_range<Index>& range, Jacobian_report sum) {
+        add_range(range.begin(), range.end(), selection, sum);
         return sum;
       },
       [](Jacobian_report a, const Jacobian_report& b) { return a += b; });
@@ -93,12 +95,13 @@ private:
     int count = 0;
   };
 
-  void add_range(Index first, Index last, Jacobian_report& sum) const
+  void add_range(Index first, Index last, std::span<const Index> selection, Jacobian_report& sum) const
   {
     Jacobian_bounder& bounder = bounders_.local();
     Queue straight{straight_table_}, curved{curved_table_};
-    for (Index e = first; e < last; ++e)
+    for (Index m = first; m < last; ++m)
     {
+      const Index e = selection.empty() ? m : selection[static_cast<std::size_t>(m)];
       const bool takes_short_test = &straight_table_ != &curved_table_ && is_straight_(number_, e);
       sum.straight_elements += takes_short_test;
       Queue& queue = takes_short_test ? straight : curved;
