@@ -5,6 +5,7 @@
 #include <recurve/core/types.h>
 #include <recurve/elements/element.h>
 #include <recurve/volume/element_block.h>
+#include <recurve/volume/internal/flat_cell.h>
 #include <recurve/volume/internal/jacobian_bounder.h>
 #include <recurve/volume/internal/point_access.h>
 #include <recurve/volume/jacobian_bounds.h>
@@ -103,14 +104,18 @@ private:
     {
       const Index e = selection.empty() ? m : selection[static_cast<std::size_t>(m)];
       const bool takes_short_test = &straight_table_ != &curved_table_ && is_straight_(number_, e);
-      sum.straight_elements += takes_short_test;
       Queue& queue = takes_short_test ? straight : curved;
-      queue.elements[static_cast<std::size_t>(queue.count++)] = e;
-      if (queue.count == bounder.batch())
-        flush(bounder, queue, sum);
+      put(bounder, queue, e, curved, sum);
     }
-    flush(bounder, straight, sum);
-    flush(bounder, curved, sum);
+    flush(bounder, straight, curved, sum);
+    flush(bounder, curved, curved, sum);
+  }
+
+  void put(Jacobian_bounder& bounder, Queue& queue, Index element, Queue& curved, Jacobian_report& sum) const
+  {
+    queue.elements[static_cast<std::size_t>(queue.count++)] = element;
+    if (queue.count == bounder.batch())
+      flush(bounder, queue, curved, sum);
   }
 
   /// coordinates of a node of an element; \throws Input_error if there is none.
@@ -124,7 +129,8 @@ private:
     return coordinates(std::ranges::begin(nodes_)[id]);
   }
 
-  void flush(Jacobian_bounder& bounder, Queue& queue, Jacobian_report& sum) const
+  /// bounds the elements that wait in `queue`. Straight ones that are too flat for the short test go on to `curved`.
+  void flush(Jacobian_bounder& bounder, Queue& queue, Queue& curved, Jacobian_report& sum) const
   {
     if (queue.count == 0)
       return;
@@ -143,12 +149,29 @@ private:
     std::array<Jacobian_bounds, max_batch> results;
     const auto used = static_cast<std::size_t>(queue.count);
     bounder.bound(queue.table, options_, std::span(results).first(used));
+    queue.count = 0;
+    const bool is_short = &queue != &curved;
     for (std::size_t lane = 0; lane < used; ++lane)
     {
-      add(queue.elements[lane], results[lane], sum);
-      visit_(number_, queue.elements[lane], results[lane]);
+      const Index element = queue.elements[lane];
+      if (is_short && results[lane].verdict == Validity::valid && is_flat(element, results[lane].lower))
+      {
+        put(bounder, curved, element, curved, sum);
+        continue;
+      }
+      sum.straight_elements += is_short;
+      add(element, results[lane], sum);
+      visit_(number_, element, results[lane]);
     }
-    queue.count = 0;
+  }
+
+  bool is_flat(Index element, double least_jacobian) const
+  {
+    std::array<Point, 8> corners;
+    const int count = corner_count(block_.type);
+    for (int c = 0; c < count; ++c)
+      corners[static_cast<std::size_t>(c)] = point(element, c);
+    return may_be_flat(least_jacobian, std::span(corners).first(static_cast<std::size_t>(count)));
   }
 
   void add(Index element, const Jacobian_bounds& bounds, Jacobian_report& sum) const

@@ -6,6 +6,7 @@
 #include <recurve/elements/node_layout.h>
 #include <recurve/volume/bound_jacobian.h>
 #include <recurve/volume/internal/curving_levels.h>
+#include <recurve/volume/internal/flat_cell.h>
 #include <recurve/volume/internal/restoration_cells.h>
 #include <recurve/volume/restoration_report.h>
 
@@ -13,9 +14,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
-#include <limits>
 #include <span>
 #include <utility>
 #include <vector>
@@ -59,28 +58,6 @@ public:
 private:
   // Certification. ---------------------------------------------------------------------------------------------------
 
-  /// Rounding moves the nodes of the straight cell by a few units in the last place of its coordinates, and det J by
-  /// their derivatives times the other two: a cell whose det J is larger than this keeps its sign at every degree
-  /// (derivatives of Lagrange functions of degree 6 add up to less than 1e4).
-  static constexpr double flatness = 1e5 * std::numeric_limits<double>::epsilon();
-
-  bool may_be_flat(Block_element cell, double least_jacobian) const
-  {
-    double largest = 0, extent = 0;
-    const auto nodes = cells_.nodes(cell);
-    const Point first = levels_.straight(nodes[0]);
-    for (int c = 0; c < corner_count(cells_.type(cell)); ++c)
-    {
-      const Point p = levels_.straight(nodes[static_cast<std::size_t>(c)]);
-      for (std::size_t d = 0; d < 3; ++d)
-      {
-        largest = std::max(largest, std::abs(p[d]));
-        extent = std::max(extent, 2 * std::abs(p[d] - first[d])); // of any two corners
-      }
-    }
-    return !(least_jacobian > flatness * largest * extent * extent);
-  }
-
   void certify_straight()
   {
     const auto always = [](Index, Index) { return true; };
@@ -89,12 +66,7 @@ private:
                                          const Block_element cell{block, element};
                                          if (bounds.verdict != Validity::valid)
                                            cells_.flags(cell) = Restoration_cells::excluded;
-                                         else if (may_be_flat(cell, bounds.lower))
-                                           cells_.flags(cell) = Restoration_cells::flat;
                                        });
-    for (const Block_element cell : cells_.with(Restoration_cells::flat))
-      if (!is_valid(cell, [this](Index node) { return levels_.straight(node); }))
-        cells_.flags(cell) = Restoration_cells::excluded;
     report_.excluded = cells_.with(Restoration_cells::excluded);
   }
 
@@ -102,9 +74,8 @@ private:
   bool is_straight(Block_element cell) const
   {
     const auto nodes = cells_.nodes(cell);
-    return !cells_.has(Restoration_cells::flat, cell) && std::all_of(nodes.begin(), nodes.end(), [this](Index n) {
-      return levels_.current(n) == levels_.straight(n);
-    });
+    return std::all_of(nodes.begin(), nodes.end(),
+                       [this](Index n) { return levels_.current(n) == levels_.straight(n); });
   }
 
   void note(Block_element cell, const Jacobian_bounds& bounds)
@@ -167,16 +138,25 @@ private:
   {
     const auto nodes = cells_.nodes(cell);
     std::array<Point, node_count(Element_type::hexahedron, max_degree)> points;
-    bool is_straight = !cells_.has(Restoration_cells::flat, cell);
+    bool is_straight = true;
     for (std::size_t m = 0; m < nodes.size(); ++m)
     {
       points[m] = position(nodes[m]);
       is_straight = is_straight && points[m] == levels_.straight(nodes[m]);
     }
     const Element_type type = cells_.type(cell);
-    const int degree = is_straight ? 1 : cells_.degree();
-    const std::span<const Point> used(points.data(), static_cast<std::size_t>(node_count(type, degree)));
-    return bound_jacobian(type, degree, used, options_.jacobian).verdict == Validity::valid;
+    const auto bounds = [&](int degree) {
+      return bound_jacobian(type, degree, std::span(points).first(static_cast<std::size_t>(node_count(type, degree))),
+                            options_.jacobian);
+    };
+    if (is_straight)
+    {
+      const Jacobian_bounds short_bounds = bounds(1);
+      const auto corners = std::span(points).first(static_cast<std::size_t>(corner_count(type)));
+      if (short_bounds.verdict != Validity::valid || !may_be_flat(short_bounds.lower, corners))
+        return short_bounds.verdict == Validity::valid;
+    }
+    return bounds(cells_.degree()).verdict == Validity::valid;
   }
 
   // Reduction. -------------------------------------------------------------------------------------------------------

@@ -61,8 +61,7 @@ public:
   enum Flag : std::uint8_t
   {
     excluded = 1, ///< the promise leaves it out
-    flat = 2,     ///< rounding of its nodes may fold it although its corners do not
-    failing = 4
+    failing = 2
   };
 
   Restoration_cells(std::span<const Element_block> blocks, int degree) : blocks_(blocks), degree_(degree)
