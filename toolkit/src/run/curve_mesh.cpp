@@ -1,5 +1,6 @@
 #include <recurve/run/curve_mesh.h>
 
+#include "certify.h"
 #include "node_placement.h"
 #include "surface_passes.h"
 
@@ -50,6 +51,11 @@ public:
       place_nodes();
       blend();
     }
+    else
+      find_source_faces();
+    if (options_.certify)
+      certify();
+    states_ = {};
     count_straight_cells();
     return std::move(curved_);
   }
@@ -121,11 +127,21 @@ private:
     for (Boundary_surface::Face face : surface_.mesh.faces())
       owners.push_back(surface_.face_owner[face]);
     Node_placement placement(curved_, std::move(owners));
+    find_source_faces();
     structure_.boundary.owners = {};
     place_surface_nodes(surface_, options_, placement, report_, progress_);
     take_report(placement);
     states_ = std::move(placement.states());
     surface_ = {};
+  }
+
+  /// the selection becomes that of all faces whose nodes move others: those on the boundary, and curved ones inside.
+  void find_source_faces()
+  {
+    for (std::size_t z = 0; z < selection_.size(); ++z)
+      for (std::size_t f = 0; f < selection_[z].size(); ++f)
+        if (place_of(structure_.boundary.owners[z][f]) == Face_place::boundary)
+          selection_[z][f] = 1;
   }
 
   void take_report(const Node_placement& placement)
@@ -187,7 +203,13 @@ private:
       return blend_interior(curved_.nodes, states_, blocks, options_.degree);
     });
     report_.blended_nodes = blend.blended_nodes;
-    states_ = {};
+  }
+
+  void certify()
+  {
+    report_.certification = run_stage("certify", report_.stages, progress_, [&] {
+      return certify_and_restore(curved_, states_, selection_, options_.restoration, progress_);
+    });
   }
 
   void count_straight_cells()

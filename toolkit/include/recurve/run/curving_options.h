@@ -4,6 +4,7 @@
 #include <recurve/features/feature_options.h>
 #include <recurve/mesh/join_zones.h>
 #include <recurve/run/feature_file.h>
+#include <recurve/volume/restoration_report.h>
 
 #include <algorithm>
 #include <optional>
@@ -34,6 +35,9 @@ struct Curving_options
   Feature_options features = {};
   std::optional<Feature_file> feature_edits = {}; ///< applied after detection, or instead
   Join_options join = {};
+
+  bool certify = true;                  ///< certify the result and give up curvature where that fails
+  Restoration_options restoration = {}; ///< how
 
   int threads = 0; ///< largest number of threads; 0: as many as there are. The result does not depend on it
 
