@@ -313,8 +313,11 @@ TEST_CASE("an interface between zones is no wall, and both sides share their nod
   CAPTURE(degree);
   const Volume_mesh whole = test::sphere_shell({8, 3, Element_type::hexahedron, test::Outer_shape::box});
   Curving_report report;
-  const Curved_mesh one = curve_mesh(whole, {.degree = degree});
-  const Curved_mesh two = curve_mesh(split_in_two(whole), {.degree = degree}, &report);
+  // The fast sum depends on the order of the nodes, within its bound.
+  Curving_options options = {.degree = degree};
+  options.deformation.summation.method = Summation::plain;
+  const Curved_mesh one = curve_mesh(whole, options);
+  const Curved_mesh two = curve_mesh(split_in_two(whole), options, &report);
   REQUIRE(two.zones.size() == 2);
   CHECK(report.mesh.boundary.unassigned_faces == 0);
   CHECK(report.mesh.boundary.interface_faces > 0);

@@ -99,6 +99,51 @@ int run(Curve_arguments& given)
   return report.certification.is_certified() ? exit_done : exit_uncertified;
 }
 
+void add_deformation_options(CLI::App& curve, Curve_arguments& given)
+{
+  constexpr const char* group = "Interior";
+  Deformation_options& formula = given.options.deformation;
+  curve
+    .add_flag("!--no-deform", given.options.deform,
+              "bend only cells that touch the curved surface; thin layers behind it may fold")
+    ->group(group);
+  curve
+    .add_option(
+      "--influence-radius", formula.summation.reach,
+      "distance from the curved surface beyond which nothing moves, in the unit of the mesh (default: no limit)")
+    ->check(CLI::PositiveNumber)
+    ->group(group);
+  curve
+    .add_option("--influence-length", formula.length,
+                "L of the formula (L/r)^a + (alpha L/r)^b, in the unit of the mesh (default: the mean length of the "
+                "edges of curved faces)")
+    ->check(CLI::PositiveNumber)
+    ->group(group);
+  curve.add_option("--influence-alpha", formula.alpha, "its alpha, the weight of what is near")
+    ->check(CLI::NonNegativeNumber)
+    ->capture_default_str()
+    ->group(group);
+  curve.add_option("--influence-far", formula.a, "its exponent a, of what is far")
+    ->check(CLI::PositiveNumber)
+    ->capture_default_str()
+    ->group(group);
+  curve.add_option("--influence-near", formula.b, "its exponent b, of what is near")
+    ->check(CLI::PositiveNumber)
+    ->capture_default_str()
+    ->group(group);
+  curve
+    .add_flag(
+      "--area-weights", given.options.area_weights,
+      "weigh each node by its area of the boundary, so that a fine wall has no more influence than a coarse one")
+    ->group(group);
+  curve
+    .add_option("--deform-error", formula.summation.error_bound,
+                "largest error of the motion inside, relative to the largest displacement of the surface")
+    ->check(CLI::Range(1e-9, 1.0))
+    ->capture_default_str()
+    ->group(group);
+}
+
 } // namespace
 
 Command add_curve_command(CLI::App& app)
@@ -116,6 +161,7 @@ Command add_curve_command(CLI::App& app)
                  "degree of the polynomials fitted to the surface (default: the degree of the elements, at least 2)")
     ->check(CLI::Range(1, max_degree));
   add_surface_options(*curve, given->surface, given->options);
+  add_deformation_options(*curve, *given);
   curve->add_option("--report", given->report, "write what happened as JSON")->type_name("FILE.json");
   curve->add_option("--threads", given->options.threads, "largest number of threads (default: all)")
     ->check(CLI::Range(1, 4096));

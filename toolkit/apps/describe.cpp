@@ -127,6 +127,21 @@ std::string describe_displacement(const Curving_report& report)
                      at_point(relative.at), relative.patch);
 }
 
+std::string describe_deformation(const Curving_report& report)
+{
+  const Deformation_summary& deformation = report.deformation;
+  if (report.largest_displacement.length == 0 || report.options.degree == 1)
+    return "";
+  if (!report.options.deform)
+    return "interior: only cells at the surface are bent\n";
+  std::string text = fmt::format("interior: {} moved, at most {:.4g}",
+                                 counted(deformation.moved_nodes, "node", "nodes"), deformation.largest_displacement);
+  if (deformation.planar_patches > 0)
+    text += fmt::format("; {} in {} that follow their rim in the plane", grouped(deformation.planar_nodes),
+                        counted(deformation.planar_patches, "planar patch", "planar patches"));
+  return text + "\n";
+}
+
 } // namespace
 
 std::string describe(const Mesh_summary& summary, const std::vector<std::string>& notes)
@@ -178,6 +193,7 @@ std::string describe(const Curving_report& report)
   text += fmt::format("fits: {}, {} planar, {}\n", counted(report.fits.faces, "face", "faces"),
                       grouped(report.fits.planar_faces), describe_lowerings(report.fits));
   text += describe_displacement(report);
+  text += describe_deformation(report);
   text += fmt::format("{} of {} are exactly straight\n", grouped(report.straight_cells),
                       counted(report.cells, "cell", "cells"));
   text += describe_faults(mesh);

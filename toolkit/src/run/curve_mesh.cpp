@@ -1,6 +1,7 @@
 #include <recurve/run/curve_mesh.h>
 
 #include "certify.h"
+#include "deform_mesh.h"
 #include "node_placement.h"
 #include "surface_passes.h"
 
@@ -9,6 +10,7 @@
 #include <recurve/run/mesh_structure.h>
 #include <recurve/run/select_patches.h>
 #include <recurve/volume/blend_interior.h>
+#include <recurve/volume/deform_interior.h>
 
 #include <fmt/format.h>
 #include <tbb/global_control.h>
@@ -26,6 +28,14 @@ void check_range(std::string_view name, int value, int least, int most)
 {
   if (value < least || value > most)
     throw Input_error(fmt::format("{}: expected {} to {}, found {}", name, least, most, value));
+}
+
+void check(const Deformation_options& options)
+{
+  // Whatever the mesh, so that a typing error does not wait for one that is curved. A length of 0 is taken from it.
+  const double length = options.length == 0 ? 1 : options.length;
+  const Inverse_distance_powers influence(length, options.alpha, options.a, options.b);
+  const Interior_deformer deformer(std::vector<Point>{}, influence, options.summation);
 }
 
 /// One conversion: its steps share the mesh and the report.
@@ -49,7 +59,10 @@ public:
     if (options_.degree > 1)
     {
       place_nodes();
-      blend();
+      if (options_.deform)
+        deform();
+      else
+        blend();
     }
     else
       find_source_faces();
@@ -212,6 +225,13 @@ private:
     });
   }
 
+  void deform()
+  {
+    report_.deformation = run_stage("deform interior", report_.stages, progress_,
+                                    [&] { return deform_mesh(curved_, states_, selection_, options_, progress_); });
+    report_.blended_nodes = report_.deformation.moved_nodes + report_.deformation.blended_face_nodes;
+  }
+
   void count_straight_cells()
   {
     report_.cells = curved_.cell_count();
@@ -237,6 +257,7 @@ void check(const Curving_options& options)
   check_range("degree of the elements", options.degree, 1, max_degree);
   check_range("degree of the fits", options.fit_degree, 0, max_fit_degree);
   check_range("threads", options.threads, 0, 1 << 20);
+  check(options.deformation);
   check(options.features);
   if (options.feature_edits)
     check(options.feature_edits->options);

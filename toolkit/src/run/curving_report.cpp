@@ -48,6 +48,15 @@ Json json_of(const Curving_options& options)
            {{"use_connectivity", options.join.use_connectivity},
             {"use_geometry", options.join.use_geometry},
             {"tolerance", options.join.tolerance}}},
+          {"deform", options.deform},
+          {"deformation",
+           {{"length", options.deformation.length},
+            {"alpha", options.deformation.alpha},
+            {"a", options.deformation.a},
+            {"b", options.deformation.b},
+            {"area_weights", options.area_weights},
+            {"influence_radius", options.deformation.summation.reach},
+            {"error_bound", options.deformation.summation.error_bound}}},
           {"threads", options.threads}};
 }
 
@@ -157,6 +166,25 @@ Json json_of(const Largest_displacement& displacement)
           {"patch", displacement.patch}};
 }
 
+Json json_of(const Deformation_summary& deformation)
+{
+  const Deformation_report& field = deformation.field;
+  return {{"length", deformation.length},
+          {"planar_patches", deformation.planar_patches},
+          {"planar_nodes", deformation.planar_nodes},
+          {"blended_face_nodes", deformation.blended_face_nodes},
+          {"sources", field.sources},
+          {"moving_sources", field.moving_sources},
+          {"targets", field.targets},
+          {"method", field.is_fast ? "fast" : "plain"},
+          {"error_bound", field.error_bound},
+          {"pairs", field.pairs},
+          {"translations", field.translations},
+          {"moved_nodes", deformation.moved_nodes},
+          {"negligible_nodes", deformation.negligible_nodes},
+          {"largest_displacement", deformation.largest_displacement}};
+}
+
 Json json_of(const std::vector<Stage_time>& stages)
 {
   Json json = Json::array();
@@ -185,6 +213,7 @@ std::string to_json(const Curving_report& report)
      {{"moved_on_edges", report.moved_edge_nodes},
       {"moved_on_faces", report.moved_face_nodes},
       {"blended", report.blended_nodes}}},
+    {"deformation", report.options.deform ? json_of(report.deformation) : Json()},
     {"displacement",
      {{"largest", json_of(report.largest_displacement)},
       {"largest_relative", json_of(report.largest_relative_displacement)}}},

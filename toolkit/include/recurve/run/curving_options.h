@@ -4,6 +4,7 @@
 #include <recurve/features/feature_options.h>
 #include <recurve/mesh/join_zones.h>
 #include <recurve/run/feature_file.h>
+#include <recurve/volume/deformation_options.h>
 #include <recurve/volume/restoration_report.h>
 
 #include <algorithm>
@@ -35,6 +36,16 @@ struct Curving_options
   Feature_options features = {};
   std::optional<Feature_file> feature_edits = {}; ///< applied after detection, or instead
   Join_options join = {};
+
+  /// whether nodes inside the mesh follow the curved surface through all layers (see doc/deform_interior.md); else only
+  /// cells that touch it are bent.
+  bool deform = true;
+
+  /// the formula; `length` 0: the mean edge length of the curved faces. `summation.reach` is the influence radius.
+  Deformation_options deformation = {};
+
+  /// whether a node counts by the area that it stands for, so that a finely meshed wall has no more influence.
+  bool area_weights = false;
 
   bool certify = true;                  ///< certify the result and give up curvature where that fails
   Restoration_options restoration = {}; ///< how

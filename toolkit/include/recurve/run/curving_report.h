@@ -4,6 +4,7 @@
 #include <recurve/features/feature_report.h>
 #include <recurve/run/certification.h>
 #include <recurve/run/curving_options.h>
+#include <recurve/run/deformation_summary.h>
 #include <recurve/run/mesh_summary.h>
 #include <recurve/run/stages.h>
 #include <recurve/surface/reconstruction_report.h>
@@ -67,6 +68,7 @@ struct Curving_report
 
   Index moved_edge_nodes = 0, moved_face_nodes = 0;   ///< on the surface
   Index blended_nodes = 0;                            ///< inside faces and cells, moved after the surface
+  Deformation_summary deformation;                    ///< how they were moved
   Largest_displacement largest_displacement;          ///< by its length
   Largest_displacement largest_relative_displacement; ///< by its relation to the edge
 

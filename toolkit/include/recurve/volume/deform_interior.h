@@ -91,6 +91,39 @@ Deformation_report deform_interior(const Sources& sources, const Displacements& 
                                    const I& influence, const Summation_options& options,
                                    std::span<const double> weights = {});
 
+/// computes the displacement at each of `targets`, which `deform_interior()` would add to it. \param result  as many,
+/// writable. For callers who want to keep part of the motion only.
+template <Point_range Sources, Point_range Displacements, Point_range Targets, Point_range Result>
+Deformation_report interior_displacements(const Sources& sources, const Displacements& displacements,
+                                          const Targets& targets, Result&& result, const Deformation_options& options,
+                                          std::span<const double> weights = {});
+
+namespace internal {
+
+/// calls `work` with a deformer for `target_count` targets, its displacements set.
+template <Point_range Sources, Point_range Displacements, Influence I, class Work>
+Deformation_report with_deformer(const Sources& sources, const Displacements& displacements, std::size_t target_count,
+                                 const I& influence, Summation_options options, std::span<const double> weights,
+                                 const Work& work)
+{
+  if (options.method == Summation::automatic && Expandable_influence<I>)
+    options.method = faster_summation(std::ranges::size(sources), target_count);
+  Interior_deformer<I> deformer(sources, influence, options, weights);
+  deformer.set_displacements(displacements);
+  return work(deformer);
+}
+
+/// calls `work` with the influence that `options` describe.
+template <class Work>
+Deformation_report with_influence(const Deformation_options& options, const Work& work)
+{
+  if (options.a == 3 && options.b == 5)
+    return work(Inverse_distance<3, 5>(options.length, options.alpha));
+  return work(Inverse_distance_powers(options.length, options.alpha, options.a, options.b));
+}
+
+} // namespace internal
+
 template <Influence I>
 template <Point_range Positions>
 Interior_deformer<I>::Interior_deformer(const Positions& positions, I influence, const Summation_options& options,
@@ -136,24 +169,28 @@ Deformation_report deform_interior(const Sources& sources, const Displacements& 
                                    const I& influence, const Summation_options& options,
                                    std::span<const double> weights)
 {
-  Summation_options chosen = options;
-  if (chosen.method == Summation::automatic && Expandable_influence<I>)
-    chosen.method = internal::faster_summation(std::ranges::size(sources), std::ranges::size(targets));
-  Interior_deformer<I> deformer(sources, influence, chosen, weights);
-  deformer.set_displacements(displacements);
-  return deformer.deform(targets);
+  return internal::with_deformer(sources, displacements, std::ranges::size(targets), influence, options, weights,
+                                 [&](const auto& deformer) { return deformer.deform(targets); });
 }
 
 template <Point_range Sources, Point_range Displacements, Point_range Targets>
 Deformation_report deform_interior(const Sources& sources, const Displacements& displacements, Targets&& targets,
                                    const Deformation_options& options, std::span<const double> weights)
 {
-  if (options.a == 3 && options.b == 5)
-    return deform_interior(sources, displacements, targets, Inverse_distance<3, 5>(options.length, options.alpha),
-                           options.summation, weights);
-  return deform_interior(sources, displacements, targets,
-                         Inverse_distance_powers(options.length, options.alpha, options.a, options.b),
-                         options.summation, weights);
+  return internal::with_influence(options, [&](const auto& influence) {
+    return deform_interior(sources, displacements, targets, influence, options.summation, weights);
+  });
+}
+
+template <Point_range Sources, Point_range Displacements, Point_range Targets, Point_range Result>
+Deformation_report interior_displacements(const Sources& sources, const Displacements& displacements,
+                                          const Targets& targets, Result&& result, const Deformation_options& options,
+                                          std::span<const double> weights)
+{
+  return internal::with_influence(options, [&](const auto& influence) {
+    return internal::with_deformer(sources, displacements, std::ranges::size(targets), influence, options.summation,
+                                   weights, [&](const auto& deformer) { return deformer.evaluate(targets, result); });
+  });
 }
 
 } // namespace recurve
