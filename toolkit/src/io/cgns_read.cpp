@@ -1,4 +1,5 @@
 #include "cgns_reading.h"
+#include "cgns_writing.h"
 
 #include <recurve/io/cgns.h>
 
@@ -134,7 +135,7 @@ void check_not_empty(const Cgns_tree& tree, const Volume_mesh& mesh, std::vector
     notes.push_back(fmt::format("base '{}' has faces but no cells: a surface, not a volume mesh", mesh.name));
 }
 
-Volume_mesh read_base(Cgns_reading& reading, const Progress_callback& progress)
+Zonal_mesh read_base(Cgns_reading& reading, const Progress_callback& progress)
 {
   const Cgns_tree& tree = reading.tree;
   reading.version = read_version(tree);
@@ -156,24 +157,27 @@ Volume_mesh read_base(Cgns_reading& reading, const Progress_callback& progress)
     read_patches(reading, reading.zones.back());
   }
   read_interfaces(reading, mesh.name);
+  Zonal_mesh result = {.degree = std::max(1, reading.degree), .linear = {}, .zones = {}};
   for (Zone_reading& zone : reading.zones)
+  {
     mesh.zones.push_back(std::move(zone.zone));
+    if (result.degree > 1)
+      result.zones.push_back(std::move(zone.elements));
+  }
   add_missing_families(mesh, reading.notes);
   check_not_empty(tree, mesh, reading.notes);
   report_progress(progress, "read", 1);
-  return mesh;
+  result.linear = std::move(mesh);
+  return result;
 }
 
-} // namespace
-
-} // namespace internal::cgns
-
-Volume_mesh read_cgns(const std::filesystem::path& file, Read_report* report, const Progress_callback& progress)
+Zonal_mesh read_file(const std::filesystem::path& file, int largest_degree, Read_report* report,
+                     const Progress_callback& progress)
 try
 {
-  const internal::cgns::Cgns_tree tree(file);
-  internal::cgns::Cgns_reading reading = {.tree = tree, .zones = {}, .notes = {}};
-  Volume_mesh mesh = internal::cgns::read_base(reading, progress);
+  const Cgns_tree tree(file);
+  Cgns_reading reading = {.tree = tree, .largest_degree = largest_degree, .zones = {}, .notes = {}};
+  Zonal_mesh mesh = read_base(reading, progress);
   if (report != nullptr)
     report->notes.insert(report->notes.end(), reading.notes.begin(), reading.notes.end());
   return mesh;
@@ -181,6 +185,20 @@ try
 catch (const std::bad_alloc&)
 {
   throw Format_error(fmt::format("{}: takes more memory than there is", file.string()));
+}
+
+} // namespace
+
+} // namespace internal::cgns
+
+Volume_mesh read_cgns(const std::filesystem::path& file, Read_report* report, const Progress_callback& progress)
+{
+  return internal::cgns::read_file(file, 1, report, progress).linear;
+}
+
+Zonal_mesh read_curved_cgns(const std::filesystem::path& file, Read_report* report, const Progress_callback& progress)
+{
+  return internal::cgns::read_file(file, internal::cgns::largest_cgns_degree, report, progress);
 }
 
 } // namespace recurve

@@ -5,6 +5,7 @@
 #include "cgns_tree.h"
 
 #include <recurve/core/progress.h>
+#include <recurve/io/zonal_mesh.h>
 #include <recurve/mesh/volume_mesh.h>
 
 #include <array>
@@ -28,6 +29,7 @@ struct Zone_reading
 {
   Cgns_node node;
   Zone zone;
+  Zonal_elements elements; ///< of high order; empty for linear meshes
   bool is_structured = false;
   std::array<Index, 3> size = {}; ///< points in each direction, if structured
   std::vector<Element_block> blocks;
@@ -42,7 +44,9 @@ struct Zone_reading
 struct Cgns_reading
 {
   const Cgns_tree& tree;
-  int version = 0; ///< 3400 for 3.4
+  int version = 0;        ///< 3400 for 3.4
+  int largest_degree = 1; ///< that the caller takes
+  int degree = 0;         ///< of the elements seen so far; 0: none yet
   bool angles_in_degrees = false;
   std::vector<Zone_reading> zones;
   std::vector<std::string> notes;

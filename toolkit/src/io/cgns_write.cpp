@@ -1,3 +1,4 @@
+#include "cgns_element_codes.h"
 #include "cgns_names.h"
 #include "cgns_tree.h"
 #include "cgns_writing.h"
@@ -24,16 +25,6 @@ namespace recurve {
 namespace internal::cgns {
 
 namespace {
-
-/// CGNS's complete element families; rows as `Element_type`, columns by degree.
-constexpr std::array<std::array<ElementType_t, largest_cgns_degree>, 7> element_codes = {
-  {{BAR_2, BAR_3, BAR_4, BAR_5},
-   {TRI_3, TRI_6, TRI_10, TRI_15},
-   {QUAD_4, QUAD_9, QUAD_16, QUAD_25},
-   {TETRA_4, TETRA_10, TETRA_20, TETRA_35},
-   {PYRA_5, PYRA_14, PYRA_30, PYRA_55},
-   {PENTA_6, PENTA_18, PENTA_40, PENTA_75},
-   {HEXA_8, HEXA_27, HEXA_64, HEXA_125}}};
 
 /// the boundary condition that `kind` names; user defined where libcgns knows no such.
 BCType_t condition_type(const std::string& kind)

@@ -74,6 +74,11 @@ Zone_reading read_zone(Cgns_reading& reading, const Cgns_node& node)
   read_coordinates(reading, result, points);
   if (result.is_structured)
   {
+    if (reading.degree > 1)
+      tree.fail(fmt::format("zone '{}' is structured, hence linear, in a mesh of degree {}: only meshes of one degree "
+                            "can be read",
+                            node.name(), reading.degree));
+    reading.degree = 1;
     make_structured_cells(result);
     reading.notes.push_back(fmt::format("zone '{}': structured, {} x {} x {} points, read as hexahedra", node.name(),
                                         size.points[0], size.points[1], size.points[2]));

@@ -23,14 +23,15 @@ Mesh_format cgns_format()
   return {"CGNS",
           {".cgns"},
           4,
-          read_cgns,
+          4,
+          read_curved_cgns,
           [](const Curved_mesh& mesh, const fs::path& file, const std::vector<Cell_field>&,
              const Progress_callback& progress) { write_cgns(mesh, file, progress); }};
 }
 
 Mesh_format vtu_format()
 {
-  return {"VTU", {".vtu"}, max_degree, {}, write_vtu};
+  return {"VTU", {".vtu"}, 0, max_degree, {}, write_vtu};
 }
 
 std::string lower_case(std::string text)
@@ -90,7 +91,9 @@ const Mesh_format& mesh_format_of(const fs::path& file)
                                 list_of_formats([](const Mesh_format&) { return true; })));
 }
 
-Volume_mesh read_mesh(const fs::path& file, Read_report* report, const Progress_callback& progress)
+namespace {
+
+Zonal_mesh read_zonal_mesh(const fs::path& file, Read_report* report, const Progress_callback& progress)
 {
   const Mesh_format& format = mesh_format_of(file);
   if (!format.read)
@@ -98,6 +101,30 @@ Volume_mesh read_mesh(const fs::path& file, Read_report* report, const Progress_
                                   format.name, list_of_formats([](const Mesh_format& f) { return bool(f.read); })));
   check_readable(file);
   return format.read(file, report, progress);
+}
+
+} // namespace
+
+Volume_mesh read_mesh(const fs::path& file, Read_report* report, const Progress_callback& progress)
+{
+  Zonal_mesh mesh = read_zonal_mesh(file, report, progress);
+  if (mesh.degree > 1)
+    throw Format_error(fmt::format("{}: the mesh is of high order already (degree {}), only linear ones can be curved",
+                                   file.string(), mesh.degree));
+  return std::move(mesh.linear);
+}
+
+Curved_mesh read_curved_mesh(const fs::path& file, Read_report* report, const Progress_callback& progress)
+{
+  Zonal_mesh mesh = read_zonal_mesh(file, report, progress);
+  try
+  {
+    return to_curved_mesh(std::move(mesh), report);
+  }
+  catch (const Input_error& error)
+  {
+    throw Format_error(fmt::format("{}: {}", file.string(), error.what()));
+  }
 }
 
 void check_writable(const fs::path& file, int degree)

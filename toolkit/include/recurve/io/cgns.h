@@ -2,20 +2,13 @@
 #define RECURVE_IO_CGNS_H
 
 #include <recurve/core/progress.h>
+#include <recurve/io/zonal_mesh.h>
 #include <recurve/mesh/curved_mesh.h>
 #include <recurve/mesh/volume_mesh.h>
 
 #include <filesystem>
-#include <string>
-#include <vector>
 
 namespace recurve {
-
-/// What reading a file had to decide or leave out, one sentence each, with zone and section.
-struct Read_report
-{
-  std::vector<std::string> notes;
-};
 
 /// reads the first 3D base of a linear CGNS file: HDF5 or ADF, of any version, with links to other files.
 ///
@@ -36,6 +29,11 @@ struct Read_report
 /// file; the mesh and a few MiB.
 Volume_mesh read_cgns(const std::filesystem::path& file, Read_report* report = nullptr,
                       const Progress_callback& progress = {});
+
+/// the same for meshes of degree 1 to 4: of high order the complete element families, and one degree for all elements
+/// of the mesh, faces and bars too.
+Zonal_mesh read_curved_cgns(const std::filesystem::path& file, Read_report* report = nullptr,
+                            const Progress_callback& progress = {});
 
 /// writes a mesh of degree 1 to 4 as CGNS/HDF5 with the stamp 3.4, which libraries from 3.0 on read: complete element
 /// families, one section per type, never mixed; double precision; 32-bit numbers.

@@ -5,6 +5,7 @@
 #include <recurve/io/cgns.h>
 #include <recurve/io/pending_file.h>
 #include <recurve/io/vtk.h>
+#include <recurve/io/zonal_mesh.h>
 #include <recurve/mesh/curved_mesh.h>
 
 #include <filesystem>
@@ -19,8 +20,9 @@ struct Mesh_format
 {
   std::string name;                    ///< "CGNS"
   std::vector<std::string> extensions; ///< ".cgns", in lower case
+  int largest_degree_read = 0;         ///< 0: cannot be read
   int largest_degree_written = 0;      ///< 0: cannot be written
-  std::function<Volume_mesh(const std::filesystem::path&, Read_report*, const Progress_callback&)>
+  std::function<Zonal_mesh(const std::filesystem::path&, Read_report*, const Progress_callback&)>
     read; ///< empty: cannot be read
   std::function<void(const Curved_mesh&, const std::filesystem::path&, const std::vector<Cell_field>&,
                      const Progress_callback&)>
@@ -35,10 +37,16 @@ const std::vector<Mesh_format>& mesh_formats();
 const Mesh_format& mesh_format_of(const std::filesystem::path& file);
 
 /// reads a linear mesh by its extension.
-/// \throws Input_error if the extension is unknown or the format cannot be read; Format_error if the file cannot be
-/// read, naming file, zone, section, element and node as far as they are known.
+/// \throws Input_error if the extension is unknown or the format cannot be read; Format_error if the mesh is of high
+/// order or the file cannot be read, naming file, zone, section, element and node as far as they are known.
 Volume_mesh read_mesh(const std::filesystem::path& file, Read_report* report = nullptr,
                       const Progress_callback& progress = {});
+
+/// reads a mesh of any degree that the format holds; a linear one comes with degree 1. Node numbers are unique across
+/// zones, see to_curved_mesh(), and `linear` is what the file says beyond points and elements.
+/// \throws as read_mesh(), and Format_error for elements of several degrees or of incomplete families.
+Curved_mesh read_curved_mesh(const std::filesystem::path& file, Read_report* report = nullptr,
+                             const Progress_callback& progress = {});
 
 /// checks that a mesh of degree `degree` can be written to `file`, as far as its name tells, so that a program can
 /// refuse before the work. \throws Input_error if the format is unknown or does not hold the degree.

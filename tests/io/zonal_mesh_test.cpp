@@ -1,0 +1,168 @@
+#include "io/single_cell_mesh.h"
+
+#include <recurve/io/mesh_io.h>
+#include <recurve/mesh/join_zones.h>
+
+#include <catch2/catch.hpp>
+
+#include <unistd.h>
+
+#include <map>
+#include <set>
+
+using namespace recurve;
+namespace fs = std::filesystem;
+
+namespace {
+
+fs::path temporary_file(const std::string& name)
+{
+  return fs::temp_directory_path() / ("recurve_" + std::to_string(getpid()) + "_" + name);
+}
+
+/// positions of the nodes of every element, in their order: what a round trip has to keep to the bit.
+std::vector<Point> element_positions(const Curved_mesh& mesh, std::vector<Curved_section> Curved_zone::*sections)
+{
+  std::vector<Point> result;
+  for (const Curved_zone& zone : mesh.zones)
+    for (const Curved_section& section : zone.*sections)
+      for (const Index node : section.nodes)
+        result.push_back(mesh.nodes[static_cast<std::size_t>(node)]);
+  return result;
+}
+
+/// two unit cubes side by side in x, each a zone of one hexahedron with a patch at its far end.
+Volume_mesh two_zones(bool with_interface)
+{
+  Volume_mesh mesh;
+  for (int z = 0; z < 2; ++z)
+  {
+    Zone zone;
+    zone.name = z == 0 ? "left" : "right";
+    for (const auto& corner : reference_element(Element_type::hexahedron).corners)
+      if (corner[0] < 2)
+        zone.points.push_back({double(corner[0] + z), double(corner[1]), double(corner[2])});
+    zone.points.resize(8);
+    zone.cells = {{"cells", Element_type::hexahedron, {0, 1, 2, 3, 4, 5, 6, 7}}};
+    zone.faces = {{"end", Element_type::quadrangle, {}}};
+    zone.faces[0].nodes = z == 0 ? std::vector<Index>{0, 4, 7, 3} : std::vector<Index>{1, 2, 6, 5};
+    zone.patches = {{z == 0 ? "inlet" : "outlet", "BCInflow", "", {0}}};
+    mesh.zones.push_back(zone);
+  }
+  if (with_interface)
+    mesh.zones[0].interfaces = {{.name = "to the right",
+                                 .donor_zone = "right",
+                                 .location = Zone_interface::Location::vertex,
+                                 .is_abutting_one_to_one = true,
+                                 .points = {1, 2, 5, 6},
+                                 .donor_points = {0, 3, 4, 7},
+                                 .periodicity = std::nullopt}};
+  return mesh;
+}
+
+/// moves every node by a smooth map.
+void bend(Curved_mesh& mesh)
+{
+  for (Point& node : mesh.nodes)
+    node = {node[0] + 0.1 * node[1] * node[2], node[1] + 0.05 * node[0] * node[0], node[2] - 0.07 * node[0] * node[1]};
+  update_straight_cells(mesh);
+}
+
+} // namespace
+
+TEST_CASE("a curved cell comes back from CGNS to the bit")
+{
+  const Element_type type =
+    GENERATE(Element_type::tetrahedron, Element_type::pyramid, Element_type::prism, Element_type::hexahedron);
+  const int degree = GENERATE(1, 2, 3, 4);
+  CAPTURE(element_name(type), degree);
+  const fs::path file = temporary_file("cell.cgns");
+  const Curved_mesh mesh = test::single_cell_mesh(type, degree);
+  write_mesh(mesh, file);
+  Read_report report;
+  const Curved_mesh back = read_curved_mesh(file, &report);
+  CHECK(report.notes.empty());
+  REQUIRE(back.degree == degree);
+  CHECK(back.nodes == mesh.nodes);
+  CHECK(back.zones[0].cells[0].nodes == mesh.zones[0].cells[0].nodes);
+  CHECK(element_positions(back, &Curved_zone::faces) == element_positions(mesh, &Curved_zone::faces));
+  CHECK(back.zones[0].is_straight == mesh.zones[0].is_straight);
+  CHECK(back.linear.zones[0].points == mesh.linear.zones[0].points);
+  CHECK(back.linear.zones[0].patches.size() == mesh.linear.zones[0].patches.size());
+  fs::remove(file);
+}
+
+TEST_CASE("zones that share an interface share its nodes when they come back")
+{
+  const bool with_interface = GENERATE(true, false);
+  const int degree = GENERATE(1, 2, 3, 4);
+  CAPTURE(with_interface, degree);
+  Volume_mesh linear = two_zones(with_interface);
+  const Joined_zones joined = join_zones(linear);
+  Curved_mesh mesh = elevate(std::move(linear), joined, degree);
+  const auto nodes = static_cast<std::size_t>((2 * degree + 1) * (degree + 1) * (degree + 1));
+  REQUIRE(mesh.nodes.size() == nodes);
+  bend(mesh);
+  const fs::path file = temporary_file("zones.cgns");
+  write_mesh(mesh, file);
+  Read_report report;
+  const Curved_mesh back = read_curved_mesh(file, &report);
+  CHECK(report.notes.empty());
+  CHECK(back.nodes.size() == nodes);
+  CHECK(element_positions(back, &Curved_zone::cells) == element_positions(mesh, &Curved_zone::cells));
+  CHECK(element_positions(back, &Curved_zone::faces) == element_positions(mesh, &Curved_zone::faces));
+  std::set<Index> shared(back.zones[0].nodes.begin(), back.zones[0].nodes.end());
+  Index count = 0;
+  for (const Index node : back.zones[1].nodes)
+    count += static_cast<Index>(shared.count(node));
+  CHECK(count == (degree + 1) * (degree + 1));
+  fs::remove(file);
+}
+
+TEST_CASE("straight cells of an elevated mesh are straight when they come back")
+{
+  Volume_mesh linear = two_zones(true);
+  const Joined_zones joined = join_zones(linear);
+  const Curved_mesh mesh = elevate(std::move(linear), joined, 3);
+  const fs::path file = temporary_file("straight.cgns");
+  write_mesh(mesh, file);
+  const Curved_mesh back = read_curved_mesh(file);
+  for (const Curved_zone& zone : back.zones)
+    CHECK(zone.is_straight == std::vector<std::uint8_t>{1});
+  fs::remove(file);
+}
+
+TEST_CASE("nodes that zones share but place apart are told")
+{
+  Zonal_mesh mesh;
+  mesh.degree = 2;
+  Curved_mesh raised = elevate(two_zones(true), join_zones(two_zones(true)), 2);
+  for (std::size_t z = 0; z < 2; ++z)
+  {
+    Zone zone = raised.linear.zones[z];
+    Zonal_elements elements = {raised.zones[z].cells, raised.zones[z].faces, {}};
+    std::map<Index, Index> numbers;
+    zone.points.clear();
+    for (const Index node : raised.zones[z].nodes)
+    {
+      numbers.emplace(node, static_cast<Index>(zone.points.size()));
+      zone.points.push_back(raised.nodes[static_cast<std::size_t>(node)]);
+    }
+    for (auto* sections : {&elements.cells, &elements.faces})
+      for (Curved_section& section : *sections)
+        for (Index& node : section.nodes)
+          node = numbers.at(node);
+    mesh.linear.zones.push_back(zone);
+    mesh.zones.push_back(elements);
+  }
+  const double shift = GENERATE(1e-7, 0.01);
+  CAPTURE(shift);
+  // the node in the middle of the face between the zones
+  const int middle = first_face_node(Element_type::hexahedron, 2, 4);
+  mesh.linear.zones[1]
+    .points[static_cast<std::size_t>(mesh.zones[1].cells[0].nodes[static_cast<std::size_t>(middle)])][0] += shift;
+  Read_report report;
+  const Curved_mesh curved = to_curved_mesh(mesh, &report);
+  CHECK(curved.nodes.size() == (shift < 1e-4 ? 45 : 46)); // nodes that far apart are two nodes
+  CHECK(report.notes.size() == (shift < 1e-4 ? 1 : 0));
+}
