@@ -233,7 +233,7 @@ std::array<double, 16> affine_matrix(const Periodicity& map)
                sz = std::sin(az);
   const std::array<std::array<double, 3>, 3> rotation = {{{cz * cy, cz * sy * sx - sz * cx, cz * sy * cx + sz * sx},
                                                           {sz * cy, sz * sy * sx + cz * cx, sz * sy * cx - cz * sx},
-                                                          {-sy, cy * sx, cy * cx}}};
+                                                          {0 - sy, cy * sx, cy * cx}}};
   std::array<double, 16> matrix = {};
   for (std::size_t row = 0; row < 3; ++row)
   {
