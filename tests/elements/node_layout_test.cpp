@@ -1,6 +1,7 @@
 #include <recurve/elements/node_layout.h>
 
 #include <recurve/core/exceptions.h>
+#include <recurve/elements/basis.h>
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
@@ -223,4 +224,39 @@ TEST_CASE("orientations of a face form the group of its symmetries")
       turned = composed(turned, face_orientation(type, degree, 1, false));
     CHECK(turned == std::vector<int>(turn.begin(), turn.end()));
   }
+}
+
+TEST_CASE("two cells that number a shared face differently agree on where its nodes are")
+{
+  const int degree = GENERATE(1, 2, 3, 4, 5, 6);
+  const Element_type type = GENERATE(Element_type::triangle, Element_type::quadrangle);
+  const int n = corner_count(type);
+  // corners in no symmetric position, and not in a plane
+  const std::array<std::array<double, 3>, 4> corners = {{{0, 0, 0}, {2, 0.25, 0}, {1.5, 3, 1}, {-0.5, 1, 0.75}}};
+  const auto places = [&](int first, bool is_reversed) {
+    std::vector<std::array<double, 3>> points;
+    for (const Lattice_point& node : canonical_nodes(type, degree))
+    {
+      std::array<double, 4> weights = {};
+      lagrange_basis(type, 1, {double(node[0]) / degree, double(node[1]) / degree, 0},
+                     std::span<double>(weights).first(static_cast<std::size_t>(n)));
+      std::array<double, 3> x = {};
+      for (int c = 0; c < n; ++c)
+        for (std::size_t d = 0; d < 3; ++d)
+          x[d] += weights[c] * corners[(is_reversed ? first - c + n : first + c) % n][d];
+      points.push_back(x);
+    }
+    return points;
+  };
+  const auto here = places(0, false);
+  for (int first = 0; first < n; ++first)
+    for (bool is_reversed : {false, true})
+    {
+      CAPTURE(degree, element_name(type), first, is_reversed);
+      const auto there = places(first, is_reversed);
+      const auto match = face_orientation(type, degree, first, is_reversed);
+      for (std::size_t m = 0; m < there.size(); ++m)
+        for (std::size_t d = 0; d < 3; ++d)
+          CHECK(there[m][d] == Approx(here[static_cast<std::size_t>(match[m])][d]).margin(1e-14));
+    }
 }

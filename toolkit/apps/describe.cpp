@@ -142,6 +142,72 @@ std::string describe_deformation(const Curving_report& report)
   return text + "\n";
 }
 
+// What a terminal shows at a glance; files and --json have the rest.
+constexpr std::size_t shown_curves = 100, shown_rejections = 10;
+
+std::string describe_curves(const Feature_report& report)
+{
+  if (report.curves.empty())
+    return "";
+  const auto end_at = [](const Point& point, Curve_end end) {
+    return at_point(point) + (end == Curve_end::terminus ? " fades out" : "");
+  };
+  std::vector<std::vector<std::string>> rows = {{"curve", "edges", "length", "largest angle", "from", "to"}};
+  for (const Feature_curve_summary& curve : report.curves)
+    if (rows.size() <= shown_curves)
+      rows.push_back({std::to_string(rows.size() - 1), grouped(curve.edges), fmt::format("{:.6g}", curve.length),
+                      curve.is_pinned ? "border" : fmt::format("{:.1f}", curve.max_dihedral),
+                      end_at(curve.first_point, curve.first_end),
+                      curve.is_closed ? "closed" : end_at(curve.last_point, curve.last_end)});
+  std::string text = "\n" + table(rows);
+  if (report.curves.size() > shown_curves)
+    text += fmt::format("  and {} more; --json and -o FILE have all\n",
+                        grouped(static_cast<Index>(report.curves.size() - shown_curves)));
+  return text;
+}
+
+std::string_view explain(Rejection reason)
+{
+  switch (reason)
+  {
+  case Rejection::dangling: return "dangling: fades out or ends in doubt, with few strong edges";
+  case Rejection::doubtful: return "doubtful: both ends are, and it has few strong edges";
+  case Rejection::overshadowed: return "overshadowed: weak, between stronger features";
+  case Rejection::smooth: return "smooth: the surface bends beside it as along it";
+  }
+  return "";
+}
+
+std::string describe_rejected(const Feature_report& report)
+{
+  if (report.rejected.empty())
+    return "";
+  std::vector<const Rejected_curve*> longest;
+  Index edges = 0;
+  for (const Rejected_curve& curve : report.rejected)
+  {
+    longest.push_back(&curve);
+    edges += curve.edges;
+  }
+  std::stable_sort(longest.begin(), longest.end(),
+                   [](const Rejected_curve* a, const Rejected_curve* b) { return a->length > b->length; });
+  std::vector<std::vector<std::string>> rows = {{"edges", "length", "largest angle", "from", "to", "reason"}};
+  for (const Rejected_curve* curve : longest)
+    if (rows.size() <= shown_rejections)
+      rows.push_back({grouped(curve->edges), fmt::format("{:.6g}", curve->length),
+                      fmt::format("{:.1f}", curve->max_dihedral), at_point(curve->first_point),
+                      curve->is_closed ? "closed" : at_point(curve->last_point), std::string(explain(curve->reason))});
+  std::string text = fmt::format(
+    "\n{} not taken ({}), longest first\n\n",
+    counted(static_cast<Index>(report.rejected.size()), "candidate curve was", "candidate curves were"),
+    counted(edges, "edge", "edges"));
+  text += table(rows);
+  if (longest.size() > shown_rejections)
+    text += fmt::format("  and {} more; --json has them\n",
+                        grouped(static_cast<Index>(longest.size() - shown_rejections)));
+  return text;
+}
+
 } // namespace
 
 std::string describe(const Mesh_summary& summary, const std::vector<std::string>& notes)
@@ -163,17 +229,10 @@ std::string describe(const Mesh_summary& summary, const std::vector<std::string>
 std::string describe(const Feature_listing& listing)
 {
   const Feature_report& report = listing.report;
-  std::string text = fmt::format("{}, {}, {}\n", counted(report.critical_edges, "critical edge", "critical edges"),
-                                 counted(static_cast<Index>(report.curves.size()), "curve", "curves"),
-                                 counted(report.sharp_vertices, "sharp vertex", "sharp vertices"));
-  if (report.curves.empty())
-    return text;
-  std::vector<std::vector<std::string>> rows = {{"curve", "edges", "length", "largest angle", "from", "to"}};
-  for (const Feature_curve_summary& curve : report.curves)
-    rows.push_back({std::to_string(rows.size() - 1), grouped(curve.edges), fmt::format("{:.6g}", curve.length),
-                    curve.is_pinned ? "border" : fmt::format("{:.1f}", curve.max_dihedral), at_point(curve.first_point),
-                    curve.is_closed ? "closed" : at_point(curve.last_point)});
-  return text + "\n" + table(rows);
+  return fmt::format("{}, {}, {}\n", counted(report.critical_edges, "critical edge", "critical edges"),
+                     counted(static_cast<Index>(report.curves.size()), "curve", "curves"),
+                     counted(report.sharp_vertices, "sharp vertex", "sharp vertices")) +
+         describe_curves(report) + describe_rejected(report);
 }
 
 std::string describe(const Curving_report& report)

@@ -18,6 +18,7 @@ struct Features_arguments
   std::filesystem::path input, output;
   Surface_options surface;
   Curving_options options;
+  bool as_json = false;
   bool is_quiet = false;
 };
 
@@ -44,7 +45,9 @@ int run(Features_arguments& given)
   if (!given.output.empty())
     write_features(listing, given.output);
   bar.finish();
-  if (!given.is_quiet)
+  if (given.as_json)
+    fmt::print("{}", to_json(listing));
+  else if (!given.is_quiet)
     fmt::print("{}: {}", given.input.string(), describe(listing));
   return exit_done;
 }
@@ -60,6 +63,7 @@ Command add_features_command(CLI::App& app)
     ->add_option("-o,--output", given->output,
                  "write them: .toml (edits that give the same edges again), .csv (one edge a line) or .vtp")
     ->type_name("FILE");
+  features->add_flag("--json", given->as_json, "list them, and what was rejected and why, as JSON");
   add_surface_options(*features, given->surface, given->options);
   features->add_flag("-q,--quiet", given->is_quiet, "no progress bar and no list");
   return [given] { return run(*given); };

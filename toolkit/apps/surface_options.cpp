@@ -4,6 +4,7 @@
 
 #include <recurve/run/feature_file.h>
 
+#include <algorithm>
 #include <filesystem>
 
 namespace recurve {
@@ -24,28 +25,43 @@ void add_surface_options(CLI::App& command, Surface_options& given, Curving_opti
                 "auto: find sharp edges and corners; none: smooth everywhere; a TOML file: as its edits say")
     ->type_name("auto|none|FILE")
     ->capture_default_str();
-  command
-    .add_option("--feature-angle", given.feature_angle,
-                "instead of auto: every edge whose faces turn by more than this many degrees is sharp, no other")
-    ->check(CLI::Range(0.0, 180.0));
+  given.detection = add_detection_options(command, options.features);
 }
+
+namespace {
+
+bool is_given(const Detection_options& options, const char* name)
+{
+  return std::any_of(options.begin(), options.end(),
+                     [&](const CLI::Option* option) { return option->get_name() == name && option->count() > 0; });
+}
+
+} // namespace
 
 void finish_surface_options(const Surface_options& given, Curving_options& options)
 {
+  check_usage([&] { check(options.features); });
+  if (is_given(given.detection, "--feature-angle"))
+    options.features.method = Feature_method::dihedral;
+  std::string why = "--feature-angle is one threshold instead of all others";
   std::error_code ignored;
-  if (given.features == "none" && given.feature_angle)
-    throw Usage_error("--features none and --feature-angle exclude each other");
   if (given.features == "none")
+  {
     options.features.method = Feature_method::none;
+    why = "--features none finds nothing by angles";
+  }
   else if (given.features != "auto" && !std::filesystem::exists(given.features, ignored))
     throw Usage_error(fmt::format("--features takes auto, none or a file; there is no file {}", given.features));
   else if (given.features != "auto")
-    options.feature_edits = read_feature_file(given.features);
-  if (given.feature_angle)
   {
-    options.features.method = Feature_method::dihedral;
-    options.features.dihedral_angle = *given.feature_angle;
+    options.feature_edits = read_feature_file(given.features);
+    if (!options.feature_edits->starts_from_detection)
+    {
+      options.features.method = Feature_method::none;
+      why = fmt::format("{} says start = \"none\", so that nothing is found by angles", given.features);
+    }
   }
+  refuse_unread(given.detection, options.features, why);
 }
 
 } // namespace recurve

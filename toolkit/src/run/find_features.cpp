@@ -16,13 +16,6 @@ namespace {
 using Vertex_flags = Boundary_surface::Map<Boundary_surface::Vertex, char>;
 using Edge_flags = Boundary_surface::Map<Boundary_surface::Edge, char>;
 
-Feature_report detect(const Boundary_surface& surface, Edge_flags edge_is_critical, Vertex_flags vertex_is_sharp,
-                      const Feature_options& options)
-{
-  return detect_features(surface.mesh, edge_is_critical, vertex_is_sharp, options,
-                         CGAL::parameters::edge_is_constrained_map(surface.edge_is_pinned));
-}
-
 /// Numbers of patches by face.
 struct Patch_map
 {
@@ -35,6 +28,14 @@ struct Patch_map
 
   const std::vector<Index>* numbers;
 };
+
+Feature_report detect(const Boundary_surface& surface, Edge_flags edge_is_critical, Vertex_flags vertex_is_sharp,
+                      const Feature_options& options, const std::vector<Index>& patches)
+{
+  return detect_features(
+    surface.mesh, edge_is_critical, vertex_is_sharp, options,
+    CGAL::parameters::edge_is_constrained_map(surface.edge_is_pinned).face_patch_map(Patch_map{&patches}));
+}
 
 Feature_edit_report edit(const Boundary_surface& surface, const std::vector<Feature_edit>& edits,
                          Edge_flags edge_is_critical, Vertex_flags vertex_is_sharp, const Feature_edit_options& options,
@@ -96,14 +97,15 @@ void find_features(Boundary_surface& surface, const Volume_mesh& mesh, const Joi
   Feature_options detection = options.features;
   if (edits && !edits->starts_from_detection)
     detection.method = Feature_method::none;
+  const std::vector<Index> patches = patch_numbers(mesh, surface);
   report.features = run_stage("detect features", report.stages, progress, [&] {
-    return detect(surface, surface.edge_is_critical, surface.vertex_is_sharp, detection);
+    return detect(surface, surface.edge_is_critical, surface.vertex_is_sharp, detection, patches);
   });
   if (!edits)
     return;
   Feature_edit_report edited = run_stage("edit features", report.stages, progress, [&] {
     return edit(surface, resolve_edits(*edits, mesh, joined, surface), surface.edge_is_critical,
-                surface.vertex_is_sharp, edits->options, patch_numbers(mesh, surface));
+                surface.vertex_is_sharp, edits->options, patches);
   });
   take_edited(report.features, std::move(edited.features));
 }
@@ -132,8 +134,9 @@ void list_curves(Boundary_surface& surface, const Feature_edit_options& options,
   // Replayed, the edges make some vertices sharp by themselves; what differs is said by name.
   auto edge_flags = surface.mesh.add_property_map<Boundary_surface::Edge, char>("e:replayed", 0).first;
   auto vertex_flags = surface.mesh.add_property_map<Boundary_surface::Vertex, char>("v:replayed", 0).first;
-  detect(surface, edge_flags, vertex_flags, {.method = Feature_method::none});
-  edit(surface, edits, edge_flags, vertex_flags, options, std::vector<Index>(surface.mesh.number_of_faces(), 0));
+  const std::vector<Index> no_patches(surface.mesh.number_of_faces(), 0);
+  detect(surface, edge_flags, vertex_flags, {.method = Feature_method::none}, no_patches);
+  edit(surface, edits, edge_flags, vertex_flags, options, no_patches);
   Feature_edit marks{.kind = Feature_edit_kind::vertices},
     unmarks{.kind = Feature_edit_kind::vertices, .is_added = false};
   for (const auto v : surface.mesh.vertices())

@@ -1,5 +1,6 @@
 #include <recurve/run/list_features.h>
 
+#include "json.h"
 #include "surface_passes.h"
 
 #include <recurve/core/exceptions.h>
@@ -70,6 +71,11 @@ std::string to_csv(const Feature_listing& listing)
         fmt::format_to(std::back_inserter(text), "{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{}\n", a[0], a[1],
                        a[2], b[0], b[1], b[2], i);
   return text;
+}
+
+std::string to_json(const Feature_listing& listing)
+{
+  return json_text(json_of(listing.report));
 }
 
 std::string to_vtp(const Feature_listing& listing)

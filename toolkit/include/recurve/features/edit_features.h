@@ -56,8 +56,7 @@ Feature_edit_report apply_feature_edits(const Graph& g, std::span<const Feature_
     constrained = f::read_flags(edges(g), parameter_or<names::edge_is_constrained_map>(params, 0));
   std::vector<Index> patches;
   if constexpr (has_parameter<NamedParameters, names::face_patch_map>)
-    for (const auto face : CGAL::make_range(faces(g)))
-      patches.push_back(static_cast<Index>(get(parameter_or<names::face_patch_map>(params, 0), face)));
+    patches = f::read_patches(g, parameter_or<names::face_patch_map>(params, 0));
 
   f::Feature_editor editor(surface, constrained, std::move(patches), options, f::read_flags(edges(g), edge_is_critical),
                            f::read_flags(vertices(g), vertex_is_sharp));

@@ -3,6 +3,7 @@
 
 #include <recurve/core/exceptions.h>
 
+#include <cstdio>
 #include <limits>
 #include <string>
 
@@ -76,6 +77,14 @@ struct Feature_options
 
   /// the one threshold of `Feature_method::dihedral`.
   double dihedral_angle = 30;
+
+  /// whether every edge between two patches is critical. By itself such an edge is none: the upper and the lower patch
+  /// of a wing meet smoothly at its leading edge.
+  bool patch_edges = false;
+
+  /// whether patches are smooth inside, so that features lie only between them, as on a mesh with one patch for each
+  /// face of a CAD model. What angles cannot tell is decided by it: a bore of six facets from a hexagonal hole.
+  bool smooth_patches = false;
 };
 
 /// checks the ranges and the order of the fields:
@@ -84,15 +93,19 @@ struct Feature_options
 /// \throws Input_error naming the fields and their values otherwise.
 inline void check(const Feature_options& options)
 {
-  const auto require = [](bool holds, const std::string& rule, double found, double other) {
+  const auto written = [](double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.10g", value);
+    return std::string(text);
+  };
+  const auto require = [&](bool holds, const std::string& rule, double found, double other) {
     if (!holds)
-      throw Input_error("feature options: " + rule + ", but found " + std::to_string(found) + " and " +
-                        std::to_string(other));
+      throw Input_error("feature options: " + rule + ", but they are " + written(found) + " and " + written(other));
   };
   const auto in_range = [&](const char* name, double value, double least, double most) {
     if (!(value >= least && value <= most))
-      throw Input_error(std::string("feature options: ") + name + " must be between " + std::to_string(least) +
-                        " and " + std::to_string(most) + ", but is " + std::to_string(value));
+      throw Input_error(std::string("feature options: ") + name + " must be between " + written(least) + " and " +
+                        written(most) + ", but is " + written(value));
   };
   const auto& o = options;
   in_range("dihedral_angle", o.dihedral_angle, 0, 180);

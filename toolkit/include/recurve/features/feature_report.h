@@ -47,6 +47,7 @@ struct Rejected_curve
   Rejection reason{};
   bool is_closed = false;
   Index first_vertex = no_index, last_vertex = no_index;
+  Point first_point{}, last_point{};
   Index edges = 0;
   double length = 0;       ///< in the unit of the points
   double max_dihedral = 0; ///< in degrees

@@ -38,6 +38,9 @@ Feature_listing list_features(Volume_mesh mesh, const Curving_options& options =
 /// which several of the surface stand is listed once.
 std::string to_csv(const Feature_listing& listing);
 
+/// `report` as JSON, the same object as the key "features" of the report of a conversion.
+std::string to_json(const Feature_listing& listing);
+
 /// VTK XML poly data: sharp vertices as vertices, curves as lines; cell data `curve` (-1 for vertices) and `is_closed`.
 std::string to_vtp(const Feature_listing& listing);
 

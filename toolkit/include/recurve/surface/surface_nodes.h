@@ -117,10 +117,7 @@ public:
     edge_points_[edge_position(halfedge, k)] = point;
   }
 
-  void set_face_node(face_descriptor face, int m, const Point3& point)
-  {
-    face_points_[face_position(face, m)] = point;
-  }
+  void set_face_node(face_descriptor face, int m, const Point3& point) { face_points_[face_position(face, m)] = point; }
 
   /// all nodes inside edges: p - 1 per edge, in the order of `edges(g)`, each from source(halfedge(edge, g)).
   std::span<const Point3> edge_nodes() const { return edge_points_; }

@@ -81,7 +81,11 @@ public:
 
 private:
   /// "f-strong" in the literature: above the lowest threshold, so that it takes part at all.
-  bool is_weak(Index e) const { return !a_.is_pinned[e] && a_.dihedral[e] > options_.weak_angle; }
+  bool is_weak(Index e) const
+  {
+    return !a_.is_pinned[e] && a_.dihedral[e] > options_.weak_angle &&
+           (a_.is_told_smooth.empty() || !a_.is_told_smooth[e]);
+  }
   bool is_sharp(Index e) const { return !a_.is_pinned[e] && a_.dihedral[e] > options_.sharp_angle; }
 
   void rank_edges()

@@ -74,16 +74,50 @@ inline void summarize(const Flat_surface& s, const Surface_angles& a, Detected& 
     r.isolated_corners += d.vertex_is_sharp[v] && !is_on_edge[v];
 }
 
-/// the whole detection on flat arrays; `constrained` is per edge or empty.
-inline Detected detect(const Flat_surface& s, const std::vector<char>& constrained, const Feature_options& options)
+/// per edge whether it is between two patches. `patch_of_face` is not empty; the border is no patch.
+inline std::vector<char> find_patch_edges(const Flat_surface& s, const std::vector<Index>& patch_of_face)
+{
+  std::vector<char> is_between(s.number_of_edges(), 0);
+  for (Index e = 0; e < s.number_of_edges(); ++e)
+    is_between[e] = !s.is_border_edge(e) && patch_of_face[s.face[2 * e]] != patch_of_face[s.face[2 * e + 1]];
+  return is_between;
+}
+
+/// the angles of `s`, and what `options` say of patches.
+inline Surface_angles prepare(const Flat_surface& s, std::vector<char> constrained,
+                              const std::vector<Index>& patch_of_face, const Feature_options& options)
+{
+  if (!options.patch_edges && !options.smooth_patches)
+    return measure_angles(s, constrained);
+  std::vector<char> is_between = find_patch_edges(s, patch_of_face);
+  if (options.patch_edges)
+  {
+    constrained.resize(is_between.size(), 0);
+    for (std::size_t e = 0; e < is_between.size(); ++e)
+      constrained[e] |= is_between[e];
+  }
+  Surface_angles a = measure_angles(s, constrained);
+  if (options.smooth_patches)
+  {
+    a.is_told_smooth = std::move(is_between);
+    for (char& is_smooth : a.is_told_smooth)
+      is_smooth = !is_smooth;
+  }
+  return a;
+}
+
+/// the whole detection on flat arrays; `constrained` is per edge or empty, `patch_of_face` per face, or empty if no
+/// option asks for it.
+inline Detected detect(const Flat_surface& s, const std::vector<char>& constrained,
+                       const std::vector<Index>& patch_of_face, const Feature_options& options)
 {
   Detected d;
-  const Surface_angles a = measure_angles(s, constrained);
+  const Surface_angles a = prepare(s, constrained, patch_of_face, options);
   const Index ne = s.number_of_edges();
   d.edge_is_critical.assign(ne, 0);
   if (options.method == Feature_method::dihedral)
     for (Index e = 0; e < ne; ++e)
-      d.edge_is_critical[e] = a.dihedral[e] > options.dihedral_angle;
+      d.edge_is_critical[e] = a.dihedral[e] > options.dihedral_angle && !(options.smooth_patches && a.is_told_smooth[e]);
   if (options.method == Feature_method::classified)
   {
     const Edge_classes classes = Edge_classifier(s, a, options).run();

@@ -87,6 +87,16 @@ std::vector<char> read_flags(const Range& descriptors, Map map)
   return flags;
 }
 
+/// reads a map of face_descriptor -> an integer in the order of `faces(g)`.
+template <class Graph, class FacePatchMap>
+std::vector<Index> read_patches(const Graph& g, FacePatchMap map)
+{
+  std::vector<Index> patches;
+  for (const auto f : CGAL::make_range(faces(g)))
+    patches.push_back(static_cast<Index>(get(map, f)));
+  return patches;
+}
+
 /// the edges of `g` alone.
 template <class Graph>
 Flat_edges flatten_edges(const Graph& g)

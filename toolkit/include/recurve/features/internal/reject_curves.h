@@ -194,6 +194,8 @@ private:
     r.is_closed = is_closed;
     r.first_vertex = s_.source_of(curve.front());
     r.last_vertex = s_.target[curve.back()];
+    r.first_point = s_.points[r.first_vertex];
+    r.last_point = s_.points[r.last_vertex];
     r.edges = static_cast<Index>(curve.size());
     for (const Index h : curve)
     {

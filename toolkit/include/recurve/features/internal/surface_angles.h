@@ -12,6 +12,7 @@ namespace recurve::internal::features {
 struct Surface_angles
 {
   std::vector<char> is_pinned;        ///< per edge: border or constrained
+  std::vector<char> is_told_smooth;   ///< per edge: no feature, whatever its angle; empty: none
   std::vector<char> is_border_vertex; ///< per vertex: on a border edge
   std::vector<char> is_pinned_vertex; ///< per vertex: on a pinned edge
   std::vector<Vector> normal;         ///< per face, of length 1; zero for a face without area
