@@ -1,74 +1,17 @@
 #include "io/single_cell_mesh.h"
+#include "io/small_meshes.h"
 
 #include <recurve/io/mesh_io.h>
 #include <recurve/mesh/join_zones.h>
 
 #include <catch2/catch.hpp>
 
-#include <unistd.h>
-
 #include <map>
 #include <set>
 
 using namespace recurve;
 namespace fs = std::filesystem;
-
-namespace {
-
-fs::path temporary_file(const std::string& name)
-{
-  return fs::temp_directory_path() / ("recurve_" + std::to_string(getpid()) + "_" + name);
-}
-
-/// positions of the nodes of every element, in their order: what a round trip has to keep to the bit.
-std::vector<Point> element_positions(const Curved_mesh& mesh, std::vector<Curved_section> Curved_zone::*sections)
-{
-  std::vector<Point> result;
-  for (const Curved_zone& zone : mesh.zones)
-    for (const Curved_section& section : zone.*sections)
-      for (const Index node : section.nodes)
-        result.push_back(mesh.nodes[static_cast<std::size_t>(node)]);
-  return result;
-}
-
-/// two unit cubes side by side in x, each a zone of one hexahedron with a patch at its far end.
-Volume_mesh two_zones(bool with_interface)
-{
-  Volume_mesh mesh;
-  for (int z = 0; z < 2; ++z)
-  {
-    Zone zone;
-    zone.name = z == 0 ? "left" : "right";
-    for (const auto& corner : reference_element(Element_type::hexahedron).corners)
-      if (corner[0] < 2)
-        zone.points.push_back({double(corner[0] + z), double(corner[1]), double(corner[2])});
-    zone.points.resize(8);
-    zone.cells = {{"cells", Element_type::hexahedron, {0, 1, 2, 3, 4, 5, 6, 7}}};
-    zone.faces = {{"end", Element_type::quadrangle, {}}};
-    zone.faces[0].nodes = z == 0 ? std::vector<Index>{0, 4, 7, 3} : std::vector<Index>{1, 2, 6, 5};
-    zone.patches = {{z == 0 ? "inlet" : "outlet", "BCInflow", "", {0}}};
-    mesh.zones.push_back(zone);
-  }
-  if (with_interface)
-    mesh.zones[0].interfaces = {{.name = "to the right",
-                                 .donor_zone = "right",
-                                 .location = Zone_interface::Location::vertex,
-                                 .is_abutting_one_to_one = true,
-                                 .points = {1, 2, 5, 6},
-                                 .donor_points = {0, 3, 4, 7},
-                                 .periodicity = std::nullopt}};
-  return mesh;
-}
-
-/// moves every node by a smooth map.
-void bend(Curved_mesh& mesh)
-{
-  for (Point& node : mesh.nodes)
-    node = {node[0] + 0.1 * node[1] * node[2], node[1] + 0.05 * node[0] * node[0], node[2] - 0.07 * node[0] * node[1]};
-  update_straight_cells(mesh);
-}
-
-} // namespace
+using namespace recurve::test;
 
 TEST_CASE("a curved cell comes back from CGNS to the bit")
 {
@@ -76,7 +19,8 @@ TEST_CASE("a curved cell comes back from CGNS to the bit")
     GENERATE(Element_type::tetrahedron, Element_type::pyramid, Element_type::prism, Element_type::hexahedron);
   const int degree = GENERATE(1, 2, 3, 4);
   CAPTURE(element_name(type), degree);
-  const fs::path file = temporary_file("cell.cgns");
+  const Temporary_file temporary("cell.cgns");
+  const fs::path& file = temporary.path();
   const Curved_mesh mesh = test::single_cell_mesh(type, degree);
   write_mesh(mesh, file);
   Read_report report;
@@ -89,7 +33,6 @@ TEST_CASE("a curved cell comes back from CGNS to the bit")
   CHECK(back.zones[0].is_straight == mesh.zones[0].is_straight);
   CHECK(back.linear.zones[0].points == mesh.linear.zones[0].points);
   CHECK(back.linear.zones[0].patches.size() == mesh.linear.zones[0].patches.size());
-  fs::remove(file);
 }
 
 TEST_CASE("zones that share an interface share its nodes when they come back")
@@ -103,7 +46,8 @@ TEST_CASE("zones that share an interface share its nodes when they come back")
   const auto nodes = static_cast<std::size_t>((2 * degree + 1) * (degree + 1) * (degree + 1));
   REQUIRE(mesh.nodes.size() == nodes);
   bend(mesh);
-  const fs::path file = temporary_file("zones.cgns");
+  const Temporary_file temporary("zones.cgns");
+  const fs::path& file = temporary.path();
   write_mesh(mesh, file);
   Read_report report;
   const Curved_mesh back = read_curved_mesh(file, &report);
@@ -116,7 +60,6 @@ TEST_CASE("zones that share an interface share its nodes when they come back")
   for (const Index node : back.zones[1].nodes)
     count += static_cast<Index>(shared.count(node));
   CHECK(count == (degree + 1) * (degree + 1));
-  fs::remove(file);
 }
 
 TEST_CASE("straight cells of an elevated mesh are straight when they come back")
@@ -124,12 +67,12 @@ TEST_CASE("straight cells of an elevated mesh are straight when they come back")
   Volume_mesh linear = two_zones(true);
   const Joined_zones joined = join_zones(linear);
   const Curved_mesh mesh = elevate(std::move(linear), joined, 3);
-  const fs::path file = temporary_file("straight.cgns");
+  const Temporary_file temporary("straight.cgns");
+  const fs::path& file = temporary.path();
   write_mesh(mesh, file);
   const Curved_mesh back = read_curved_mesh(file);
   for (const Curved_zone& zone : back.zones)
     CHECK(zone.is_straight == std::vector<std::uint8_t>{1});
-  fs::remove(file);
 }
 
 TEST_CASE("nodes that zones share but place apart are told")

@@ -87,19 +87,16 @@ struct Small_mesh
   std::map<std::array<long long, 3>, Index> ids;
 };
 
-/// n^3 cubes of [0, 1]^3, each cut into elements of `type`; the vertices are shifted smoothly so that nothing is
-/// regular.
-inline Small_mesh box_of(Element_type type, int degree, int n)
+/// A box of counts[0] x counts[1] x counts[2] hexahedra with the corners `vertex(i, j, k)`, each cut into elements of
+/// `type`.
+template <class Vertex>
+Small_mesh cut_box(Element_type type, int degree, const std::array<int, 3>& counts, const Vertex& vertex)
 {
-  const auto vertex = [n](int i, int j, int k) -> Point {
-    const double x = double(i) / n, y = double(j) / n, z = double(k) / n;
-    return {x + 0.03 * std::sin(5 * y + 2 * z), y + 0.02 * std::sin(4 * z + x), z + 0.04 * std::cos(3 * x + 2 * y)};
-  };
   Small_mesh mesh;
   mesh.degree = degree;
-  for (int k = 0; k < n; ++k)
-    for (int j = 0; j < n; ++j)
-      for (int i = 0; i < n; ++i)
+  for (int k = 0; k < counts[2]; ++k)
+    for (int j = 0; j < counts[1]; ++j)
+      for (int i = 0; i < counts[0]; ++i)
       {
         std::vector<Point> v;
         for (const auto& c : reference_element(Element_type::hexahedron).corners)
@@ -128,6 +125,16 @@ inline Small_mesh box_of(Element_type type, int degree, int n)
         }
       }
   return mesh;
+}
+
+/// n^3 cubes of [0, 1]^3, each cut into elements of `type`; the vertices are shifted smoothly so that nothing is
+/// regular.
+inline Small_mesh box_of(Element_type type, int degree, int n)
+{
+  return cut_box(type, degree, {n, n, n}, [n](int i, int j, int k) -> Point {
+    const double x = double(i) / n, y = double(j) / n, z = double(k) / n;
+    return {x + 0.03 * std::sin(5 * y + 2 * z), y + 0.02 * std::sin(4 * z + x), z + 0.04 * std::cos(3 * x + 2 * y)};
+  });
 }
 
 inline constexpr std::array<Element_type, 4> cell_types = {Element_type::tetrahedron, Element_type::pyramid,

@@ -21,7 +21,7 @@ enum Exit_status
   exit_done = 0,
   exit_usage = 1,     // the command line itself is wrong
   exit_bad_input = 2, // a file, a patch, the disk
-  // 3 is kept for "the result is not certified valid"
+  exit_uncertified = 3, // a cell is not certified valid
   exit_cancelled = 130 // what shells expect after Ctrl-C
 };
 
@@ -36,6 +36,7 @@ public:
 using Command = std::function<int()>;
 
 /// Each adds a subcommand with its options to `app` and gives what is to be run if it was chosen.
+Command add_check_command(CLI::App& app);
 Command add_curve_command(CLI::App& app);
 Command add_features_command(CLI::App& app);
 Command add_info_command(CLI::App& app);

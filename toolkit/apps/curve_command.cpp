@@ -83,7 +83,8 @@ int run(Curve_arguments& given)
   Curving_report report;
   const Curved_mesh curved =
     naming(given.input, [&] { return curve_mesh(std::move(linear), given.options, &report, progress); });
-  run_stage("write", report.stages, progress, [&] { write_mesh(curved, results.mesh(), {}, progress); });
+  run_stage("write", report.stages, progress,
+            [&] { write_mesh(curved, results.mesh(), cell_fields(report.certification), progress); });
 
   report.input = given.input.string();
   report.output = given.output.string();
@@ -95,7 +96,7 @@ int run(Curve_arguments& given)
   bar.finish();
   if (!given.is_quiet)
     fmt::print("{}", describe(report));
-  return exit_done;
+  return report.certification.is_certified() ? exit_done : exit_uncertified;
 }
 
 void add_deformation_options(CLI::App& curve, Curve_arguments& given)

@@ -1,4 +1,6 @@
 #include "describe.h"
+#include "describe_validity.h"
+#include "wording.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -11,32 +13,6 @@ namespace recurve {
 
 namespace {
 
-/// "1,234,567": what people read.
-std::string grouped(Index number)
-{
-  std::string digits = std::to_string(number);
-  for (auto at = static_cast<std::ptrdiff_t>(digits.size()) - 3; at > (number < 0 ? 1 : 0); at -= 3)
-    digits.insert(static_cast<std::size_t>(at), ",");
-  return digits;
-}
-
-std::string counted(Index number, std::string_view singular, std::string_view plural)
-{
-  return fmt::format("{} {}", grouped(number), number == 1 ? singular : plural);
-}
-
-std::string_view plural_name(Element_type type)
-{
-  switch (type)
-  {
-  case Element_type::tetrahedron: return "tetrahedra";
-  case Element_type::pyramid: return "pyramids";
-  case Element_type::prism: return "prisms";
-  case Element_type::hexahedron: return "hexahedra";
-  default: return element_name(type);
-  }
-}
-
 template <class CountOf>
 std::string cells_by_type(CountOf count_of)
 {
@@ -46,34 +22,6 @@ std::string cells_by_type(CountOf count_of)
     if (const Index count = count_of(type); count > 0)
       parts.push_back(counted(count, element_name(type), plural_name(type)));
   return parts.empty() ? "no cells" : fmt::format("{}", fmt::join(parts, ", "));
-}
-
-std::string at_point(const Point& point)
-{
-  return fmt::format("({:.6g}, {:.6g}, {:.6g})", point[0], point[1], point[2]);
-}
-
-/// rows as columns: all but the last padded to their longest entry.
-std::string table(const std::vector<std::vector<std::string>>& rows)
-{
-  std::vector<std::size_t> widths;
-  for (const auto& row : rows)
-    for (std::size_t c = 0; c < row.size(); ++c)
-    {
-      if (c == widths.size())
-        widths.push_back(0);
-      widths[c] = std::max(widths[c], row[c].size());
-    }
-  std::string text;
-  for (const auto& row : rows)
-  {
-    std::string line = " ";
-    for (std::size_t c = 0; c < row.size(); ++c)
-      line += fmt::format(" {:<{}}", row[c], widths[c]);
-    line.erase(line.find_last_not_of(' ') + 1);
-    text += line + "\n";
-  }
-  return text;
 }
 
 std::string describe_zones(const Mesh_summary& summary)
@@ -308,8 +256,9 @@ std::string describe(const Curving_report& report)
   text += fmt::format("{} of {} are exactly straight\n", grouped(report.straight_cells),
                       counted(report.cells, "cell", "cells"));
   text += describe_faults(mesh);
-  text += fmt::format("validity was {}\nwrote {} in {:.1f} s with at most {:.0f} MiB\n", report.validity, report.output,
-                      report.seconds, static_cast<double>(report.peak_memory_bytes) / (1024.0 * 1024.0));
+  text += describe(report.certification);
+  text += fmt::format("wrote {} in {:.1f} s with at most {:.0f} MiB\n", report.output, report.seconds,
+                      static_cast<double>(report.peak_memory_bytes) / (1024.0 * 1024.0));
   return text;
 }
 

@@ -12,5 +12,6 @@
 #include <recurve/volume/blend_interior.h>
 #include <recurve/volume/bound_jacobian.h>
 #include <recurve/volume/deform_interior.h>
+#include <recurve/volume/restore_validity.h>
 
 #endif

@@ -25,13 +25,31 @@ Mesh_format cgns_format()
           4,
           4,
           read_curved_cgns,
-          [](const Curved_mesh& mesh, const fs::path& file, const std::vector<Cell_field>&,
+          [](const Curved_mesh& mesh, const fs::path& file, const std::vector<Cell_field>&, const Write_options&,
              const Progress_callback& progress) { write_cgns(mesh, file, progress); }};
 }
 
 Mesh_format vtu_format()
 {
-  return {"VTU", {".vtu"}, 0, max_degree, {}, write_vtu};
+  return {"VTU",
+          {".vtu"},
+          0,
+          max_degree,
+          {},
+          [](const Curved_mesh& mesh, const fs::path& file, const std::vector<Cell_field>& fields, const Write_options&,
+             const Progress_callback& progress) { write_vtu(mesh, file, fields, progress); }};
+}
+
+Mesh_format msh_format()
+{
+  return {"MSH",
+          {".msh"},
+          max_degree,
+          max_degree,
+          read_msh,
+          [](const Curved_mesh& mesh, const fs::path& file, const std::vector<Cell_field>&,
+             const Write_options& options,
+             const Progress_callback& progress) { write_msh(mesh, file, options.msh, progress); }};
 }
 
 std::string lower_case(std::string text)
@@ -76,7 +94,7 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 
 const std::vector<Mesh_format>& mesh_formats()
 {
-  static const std::vector<Mesh_format> formats = {cgns_format(), vtu_format()};
+  static const std::vector<Mesh_format> formats = {cgns_format(), msh_format(), vtu_format()};
   return formats;
 }
 
@@ -139,12 +157,12 @@ void check_writable(const fs::path& file, int degree)
 }
 
 void write_mesh(const Curved_mesh& mesh, Pending_file& file, const std::vector<Cell_field>& fields,
-                const Progress_callback& progress)
+                const Progress_callback& progress, const Write_options& options)
 {
   check_writable(file.target(), mesh.degree);
   try
   {
-    mesh_format_of(file.target()).write(mesh, file.path(), fields, progress);
+    mesh_format_of(file.target()).write(mesh, file.path(), fields, options, progress);
   }
   catch (const Format_error& error)
   {
@@ -154,11 +172,11 @@ void write_mesh(const Curved_mesh& mesh, Pending_file& file, const std::vector<C
 }
 
 void write_mesh(const Curved_mesh& mesh, const fs::path& file, const std::vector<Cell_field>& fields,
-                const Progress_callback& progress)
+                const Progress_callback& progress, const Write_options& options)
 {
   check_writable(file, mesh.degree);
   Pending_file pending(file);
-  write_mesh(mesh, pending, fields, progress);
+  write_mesh(mesh, pending, fields, progress, options);
   pending.commit();
 }
 

@@ -1,5 +1,6 @@
 #include <recurve/run/curve_mesh.h>
 
+#include "certify.h"
 #include "deform_mesh.h"
 #include "node_placement.h"
 #include "surface_passes.h"
@@ -63,6 +64,11 @@ public:
       else
         blend();
     }
+    else
+      find_source_faces();
+    if (options_.certify)
+      certify();
+    states_ = {};
     count_straight_cells();
     return std::move(curved_);
   }
@@ -210,7 +216,13 @@ private:
       return blend_interior(curved_.nodes, states_, blocks, options_.degree);
     });
     report_.blended_nodes = blend.blended_nodes;
-    states_ = {};
+  }
+
+  void certify()
+  {
+    report_.certification = run_stage("certify", report_.stages, progress_, [&] {
+      return certify_and_restore(curved_, states_, selection_, options_.restoration, progress_);
+    });
   }
 
   void deform()
@@ -218,7 +230,6 @@ private:
     report_.deformation = run_stage("deform interior", report_.stages, progress_,
                                     [&] { return deform_mesh(curved_, states_, selection_, options_, progress_); });
     report_.blended_nodes = report_.deformation.moved_nodes + report_.deformation.blended_face_nodes;
-    states_ = {};
   }
 
   void count_straight_cells()

@@ -1,6 +1,6 @@
 #include <recurve/run/curving_report.h>
 
-#include "json.h"
+#include "validity_json.h"
 
 #include <sys/resource.h>
 
@@ -164,7 +164,7 @@ std::string to_json(const Curving_report& report)
       {"largest_relative", json_of(report.largest_relative_displacement)}}},
     {"cells",
      {{"total", report.cells}, {"straight", report.straight_cells}, {"curved", report.cells - report.straight_cells}}},
-    {"validity", report.validity},
+    {"validity", json_of(report.certification)},
     {"seconds", report.seconds},
     {"stages", json_of(report.stages)},
     {"peak_memory_bytes", report.peak_memory_bytes}};

@@ -3,6 +3,7 @@
 
 #include <recurve/core/progress.h>
 #include <recurve/io/cgns.h>
+#include <recurve/io/gmsh.h>
 #include <recurve/io/pending_file.h>
 #include <recurve/io/vtk.h>
 #include <recurve/io/zonal_mesh.h>
@@ -15,6 +16,12 @@
 
 namespace recurve {
 
+/// What a writer may vary; each format takes its own part.
+struct Write_options
+{
+  Msh_options msh;
+};
+
 /// A file format as the program knows it: one row of the registry.
 struct Mesh_format
 {
@@ -25,7 +32,7 @@ struct Mesh_format
   std::function<Zonal_mesh(const std::filesystem::path&, Read_report*, const Progress_callback&)>
     read; ///< empty: cannot be read
   std::function<void(const Curved_mesh&, const std::filesystem::path&, const std::vector<Cell_field>&,
-                     const Progress_callback&)>
+                     const Write_options&, const Progress_callback&)>
     write; ///< empty: cannot be written. Formats without room for cell fields leave them out
 };
 
@@ -55,11 +62,11 @@ void check_writable(const std::filesystem::path& file, int degree);
 /// writes a mesh by the extension of `file`, beside the target first and renamed when complete: a failed run leaves no
 /// file and keeps an old one. \throws Input_error as check_writable(); Format_error if writing fails.
 void write_mesh(const Curved_mesh& mesh, const std::filesystem::path& file, const std::vector<Cell_field>& fields = {},
-                const Progress_callback& progress = {});
+                const Progress_callback& progress = {}, const Write_options& options = {});
 
 /// the same, but the caller commits `file`.
 void write_mesh(const Curved_mesh& mesh, Pending_file& file, const std::vector<Cell_field>& fields = {},
-                const Progress_callback& progress = {});
+                const Progress_callback& progress = {}, const Write_options& options = {});
 
 } // namespace recurve
 

@@ -5,6 +5,7 @@
 #include <recurve/mesh/join_zones.h>
 #include <recurve/run/feature_file.h>
 #include <recurve/volume/deformation_options.h>
+#include <recurve/volume/restoration_report.h>
 
 #include <algorithm>
 #include <optional>
@@ -45,6 +46,9 @@ struct Curving_options
 
   /// whether a node counts by the area that it stands for, so that a finely meshed wall has no more influence.
   bool area_weights = false;
+
+  bool certify = true;                  ///< certify the result and give up curvature where that fails
+  Restoration_options restoration = {}; ///< how
 
   int threads = 0; ///< largest number of threads; 0: as many as there are. The result does not depend on it
 

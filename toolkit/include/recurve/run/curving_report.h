@@ -2,6 +2,7 @@
 #define RECURVE_RUN_CURVING_REPORT_H
 
 #include <recurve/features/feature_report.h>
+#include <recurve/run/certification.h>
 #include <recurve/run/curving_options.h>
 #include <recurve/run/deformation_summary.h>
 #include <recurve/run/mesh_summary.h>
@@ -72,7 +73,7 @@ struct Curving_report
   Largest_displacement largest_relative_displacement; ///< by its relation to the edge
 
   Index cells = 0, straight_cells = 0;
-  std::string validity = "not checked"; ///< whether the cells are certified to be valid
+  Certification certification; ///< whether the cells are certified to be valid
 
   std::vector<Stage_time> stages;
   double seconds = 0;

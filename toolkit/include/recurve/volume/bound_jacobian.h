@@ -66,7 +66,8 @@ struct Ignore_bounds
 /// \tparam BlockRange   model of `Element_block_range`, cells only.
 /// \tparam Is_straight  callable (Index block, Index element) -> bool: whether the cell is exactly the straight one of
 /// its
-///                      corners, so that the test of degree 1 on its corners suffices. Nothing checks that it is true.
+///                      corners, so that the test of degree 1 on its corners suffices. Nothing checks that it is true;
+///                      but a cell so flat that rounding of its other nodes may fold it is tested with all of them.
 /// \tparam Visit        callable (Index block, Index element, const Jacobian_bounds&), for each cell once, in any order
 ///                      and from several threads at a time.
 /// \param degree        degree p of all cells.

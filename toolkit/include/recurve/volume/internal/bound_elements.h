@@ -5,6 +5,7 @@
 #include <recurve/core/types.h>
 #include <recurve/elements/element.h>
 #include <recurve/volume/element_block.h>
+#include <recurve/volume/internal/flat_cell.h>
 #include <recurve/volume/internal/jacobian_bounder.h>
 #include <recurve/volume/internal/point_access.h>
 #include <recurve/volume/jacobian_bounds.h>
@@ -52,8 +53,8 @@ inline void set_nodes(Jacobian_bounder& bounder, const Jacobian_table& table, st
         *to++ = x;
 }
 
-/// Bounds the elements of one block, or some of them, and gathers their report. Nothing in it depends on the order of
-/// the elements.
+/// Bounds the elements of one block, or those of a selection, and gathers their report. Nothing in it depends on the
+/// order of the elements.
 template <class Nodes, class Is_straight, class Visit>
 class Block_bounder
 {
@@ -67,7 +68,8 @@ public:
       straight_table_(jacobian_table(block.type, 1))
   {}
 
-  Jacobian_report report() const
+  /// \param selection  numbers of elements; empty: all
+  Jacobian_report report(std::span<const Index> selection = {}) const
   {
     constexpr Index grain = 128; // many batches
     const auto size = static_cast<Index>(block_.nodes.size());
@@ -75,10 +77,11 @@ public:
       throw Input_error("bound_jacobians: block " + std::to_string(number_) + " has " + std::to_string(size) +
                         " nodes, which is no multiple of the " + std::to_string(stride_) + " of a " +
                         std::string(element_name(block_.type)));
+    const Index count = selection.empty() ? size / stride_ : static_cast<Index>(selection.size());
     return tbb::parallel_reduce(
-      tbb::blocked_range<Index>(0, size / stride_, grain), Jacobian_report(),
-      [this](const tbb::blocked_range<Index>& range, Jacobian_report sum) {
-        add_range(range.begin(), range.end(), sum);
+      tbb::blocked_range<Index>(0, count, grain), Jacobian_report(),
+      [this, selection](const tbb::blocked_range<Index>& range, Jacobian_report sum) {
+        add_range(range.begin(), range.end(), selection, sum);
         return sum;
       },
       [](Jacobian_report a, const Jacobian_report& b) { return a += b; });
@@ -93,21 +96,26 @@ private:
     int count = 0;
   };
 
-  void add_range(Index first, Index last, Jacobian_report& sum) const
+  void add_range(Index first, Index last, std::span<const Index> selection, Jacobian_report& sum) const
   {
     Jacobian_bounder& bounder = bounders_.local();
     Queue straight{straight_table_}, curved{curved_table_};
-    for (Index e = first; e < last; ++e)
+    for (Index m = first; m < last; ++m)
     {
+      const Index e = selection.empty() ? m : selection[static_cast<std::size_t>(m)];
       const bool takes_short_test = &straight_table_ != &curved_table_ && is_straight_(number_, e);
-      sum.straight_elements += takes_short_test;
       Queue& queue = takes_short_test ? straight : curved;
-      queue.elements[static_cast<std::size_t>(queue.count++)] = e;
-      if (queue.count == bounder.batch())
-        flush(bounder, queue, sum);
+      put(bounder, queue, e, curved, sum);
     }
-    flush(bounder, straight, sum);
-    flush(bounder, curved, sum);
+    flush(bounder, straight, curved, sum);
+    flush(bounder, curved, curved, sum);
+  }
+
+  void put(Jacobian_bounder& bounder, Queue& queue, Index element, Queue& curved, Jacobian_report& sum) const
+  {
+    queue.elements[static_cast<std::size_t>(queue.count++)] = element;
+    if (queue.count == bounder.batch())
+      flush(bounder, queue, curved, sum);
   }
 
   /// coordinates of a node of an element; \throws Input_error if there is none.
@@ -121,7 +129,8 @@ private:
     return coordinates(std::ranges::begin(nodes_)[id]);
   }
 
-  void flush(Jacobian_bounder& bounder, Queue& queue, Jacobian_report& sum) const
+  /// bounds the elements that wait in `queue`. Straight ones that are too flat for the short test go on to `curved`.
+  void flush(Jacobian_bounder& bounder, Queue& queue, Queue& curved, Jacobian_report& sum) const
   {
     if (queue.count == 0)
       return;
@@ -140,12 +149,29 @@ private:
     std::array<Jacobian_bounds, max_batch> results;
     const auto used = static_cast<std::size_t>(queue.count);
     bounder.bound(queue.table, options_, std::span(results).first(used));
+    queue.count = 0;
+    const bool is_short = &queue != &curved;
     for (std::size_t lane = 0; lane < used; ++lane)
     {
-      add(queue.elements[lane], results[lane], sum);
-      visit_(number_, queue.elements[lane], results[lane]);
+      const Index element = queue.elements[lane];
+      if (is_short && results[lane].verdict == Validity::valid && is_flat(element, results[lane].lower))
+      {
+        put(bounder, curved, element, curved, sum);
+        continue;
+      }
+      sum.straight_elements += is_short;
+      add(element, results[lane], sum);
+      visit_(number_, element, results[lane]);
     }
-    queue.count = 0;
+  }
+
+  bool is_flat(Index element, double least_jacobian) const
+  {
+    std::array<Point, 8> corners;
+    const int count = corner_count(block_.type);
+    for (int c = 0; c < count; ++c)
+      corners[static_cast<std::size_t>(c)] = point(element, c);
+    return may_be_flat(least_jacobian, std::span(corners).first(static_cast<std::size_t>(count)));
   }
 
   void add(Index element, const Jacobian_bounds& bounds, Jacobian_report& sum) const

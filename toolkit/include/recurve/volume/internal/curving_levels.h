@@ -1,0 +1,139 @@
+#ifndef RECURVE_VOLUME_INTERNAL_CURVING_LEVELS_H
+#define RECURVE_VOLUME_INTERNAL_CURVING_LEVELS_H
+
+#include <recurve/core/types.h>
+#include <recurve/volume/internal/point_access.h>
+#include <recurve/volume/restoration_report.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <ranges>
+#include <span>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+namespace recurve::internal {
+
+/// The nodes between their straight and their fully curved positions: who has lost how much.
+template <class Points, class Straight>
+class Curving_levels
+{
+public:
+  Curving_levels(Points& nodes, const Straight& straight, std::span<const std::array<Index, 2>> linked)
+    : nodes_(nodes), straight_(straight), linked_(linked), levels_(std::ranges::size(nodes)),
+      changed_(std::ranges::size(nodes))
+  {}
+
+  Point straight(Index node) const { return coordinates(std::ranges::begin(straight_)[node]); }
+  Point current(Index node) const { return coordinates(std::ranges::begin(nodes_)[node]); }
+  std::uint8_t level(Index node) const { return levels_[static_cast<std::size_t>(node)]; }
+  std::span<const std::uint8_t> levels() const { return levels_; }
+
+  /// fully curved.
+  Point full(Index node) const
+  {
+    const auto found = full_.find(node);
+    return found == full_.end() ? current(node) : found->second;
+  }
+
+  bool is_displaced(Index node) const { return full(node) != straight(node); }
+
+  /// where the node stands at a level. A coordinate that both positions share is theirs, to the bit.
+  Point position(Index node, std::uint8_t level) const
+  {
+    const Point from = straight(node), to = full(node);
+    if (level == 0)
+      return to;
+    if (level == straight_level)
+      return from;
+    Point result;
+    for (std::size_t d = 0; d < 3; ++d)
+      result[d] = from[d] + curving_factors[level] * (to[d] - from[d]);
+    return result;
+  }
+
+  /// asks for at least `level`. Takes effect with `apply()`.
+  void request(Index node, std::uint8_t level)
+  {
+    std::uint8_t& own = levels_[static_cast<std::size_t>(node)];
+    if (level <= own)
+      return;
+    own = level;
+    mark(node);
+  }
+
+  /// gives a node that has its full displacement another one. Takes effect at once.
+  void move(Index node, const Point& position)
+  {
+    if (level(node) != 0)
+      return;
+    set(node, position);
+    mark(node);
+  }
+
+  /// moves the nodes to their levels, after linked nodes have agreed.
+  void apply()
+  {
+    agree();
+    for (const Index node : changes_)
+    {
+      if (level(node) == 0)
+        continue;
+      full_.try_emplace(node, current(node));
+      set(node, position(node, level(node)));
+    }
+  }
+
+  /// Nodes that changed since `forget_changes()`, as marks.
+  std::span<const std::uint8_t> changed() const { return changed_; }
+  bool has_changes() const { return !changes_.empty(); }
+
+  void forget_changes()
+  {
+    for (const Index node : changes_)
+      changed_[static_cast<std::size_t>(node)] = 0;
+    changes_.clear();
+  }
+
+private:
+  void mark(Index node)
+  {
+    if (std::exchange(changed_[static_cast<std::size_t>(node)], std::uint8_t(1)) == 0)
+      changes_.push_back(node);
+  }
+
+  void set(Index node, const Point& position)
+  {
+    using Value = std::ranges::range_value_t<Points>;
+    std::ranges::begin(nodes_)[node] = make_point<Value>(position);
+  }
+
+  void agree()
+  {
+    for (bool is_settled = false; !is_settled;)
+    {
+      is_settled = true;
+      for (const auto& [a, b] : linked_)
+      {
+        const std::uint8_t common = std::max(level(a), level(b));
+        is_settled = is_settled && level(a) == common && level(b) == common;
+        request(a, common);
+        request(b, common);
+      }
+    }
+  }
+
+  Points& nodes_;
+  const Straight& straight_;
+  std::span<const std::array<Index, 2>> linked_;
+  std::vector<std::uint8_t> levels_, changed_;
+  std::vector<Index> changes_;
+  std::unordered_map<Index, Point> full_; ///< of nodes that are reduced
+};
+
+} // namespace recurve::internal
+
+#endif
