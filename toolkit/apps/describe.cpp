@@ -197,14 +197,27 @@ std::string describe_rejected(const Feature_report& report)
       rows.push_back({grouped(curve->edges), fmt::format("{:.6g}", curve->length),
                       fmt::format("{:.1f}", curve->max_dihedral), at_point(curve->first_point),
                       curve->is_closed ? "closed" : at_point(curve->last_point), std::string(explain(curve->reason))});
-  std::string text = fmt::format(
-    "\n{} not taken ({}), longest first\n\n",
-    counted(static_cast<Index>(report.rejected.size()), "candidate curve was", "candidate curves were"),
-    counted(edges, "edge", "edges"));
+  std::string text =
+    fmt::format("\n{} not taken ({}), longest first\n\n",
+                counted(static_cast<Index>(report.rejected.size()), "candidate curve was", "candidate curves were"),
+                counted(edges, "edge", "edges"));
   text += table(rows);
   if (longest.size() > shown_rejections)
-    text += fmt::format("  and {} more; --json has them\n",
-                        grouped(static_cast<Index>(longest.size() - shown_rejections)));
+    text +=
+      fmt::format("  and {} more; --json has them\n", grouped(static_cast<Index>(longest.size() - shown_rejections)));
+  return text;
+}
+
+std::string describe_jacobians(const Jacobian_history& history)
+{
+  std::string text;
+  for (const Jacobian_stage& stage : history.stages)
+  {
+    text += fmt::format("{}: {} inverted", stage.name, counted(stage.inverted, "cell", "cells"));
+    if (stage.wrong_before > 0)
+      text += fmt::format(" beyond {} that were wrong before", grouped(stage.wrong_before));
+    text += fmt::format(", smallest scaled Jacobian {:.3g}\n", stage.bounds.least.scaled);
+  }
   return text;
 }
 
@@ -255,6 +268,7 @@ std::string describe(const Curving_report& report)
   text += describe_deformation(report);
   text += fmt::format("{} of {} are exactly straight\n", grouped(report.straight_cells),
                       counted(report.cells, "cell", "cells"));
+  text += describe_jacobians(report.jacobians);
   text += describe_faults(mesh);
   text += describe(report.certification);
   text += fmt::format("wrote {} in {:.1f} s with at most {:.0f} MiB\n", report.output, report.seconds,
