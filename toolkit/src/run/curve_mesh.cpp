@@ -75,6 +75,8 @@ public:
       find_source_faces();
     if (options_.certify)
       certify();
+    if (options_.certify && options_.record_jacobians && options_.degree > 1)
+      record(curved_.nodes, states_, "certified");
     states_ = {};
     count_straight_cells();
     return std::move(curved_);

@@ -7,9 +7,9 @@
 
 namespace recurve {
 
-template <class Is_straight>
+template <class IsStraight>
 void Jacobian_recorder::add_stage(const Curved_mesh& mesh, std::span<const Point> nodes, std::string name,
-                                  const Is_straight& is_straight)
+                                  const IsStraight& is_straight)
 {
   std::vector<Element_block> blocks;
   std::vector<std::size_t> firsts; // number in the mesh of the first cell of each block

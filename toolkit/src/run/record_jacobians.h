@@ -27,9 +27,9 @@ public:
               std::string name);
 
 private:
-  template <class Is_straight>
+  template <class IsStraight>
   void add_stage(const Curved_mesh& mesh, std::span<const Point> nodes, std::string name,
-                 const Is_straight& is_straight);
+                 const IsStraight& is_straight);
 
   Jacobian_history& history_;
   std::vector<std::uint8_t> is_wrong_; ///< per cell, whether its straight-sided self is not certified valid
