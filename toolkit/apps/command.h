@@ -19,10 +19,10 @@ namespace recurve {
 enum Exit_status
 {
   exit_done = 0,
-  exit_usage = 1,     // the command line itself is wrong
-  exit_bad_input = 2, // a file, a patch, the disk
+  exit_usage = 1,       // the command line itself is wrong
+  exit_bad_input = 2,   // a file, a patch, the disk
   exit_uncertified = 3, // a cell is not certified valid
-  exit_cancelled = 130 // what shells expect after Ctrl-C
+  exit_cancelled = 130  // what shells expect after Ctrl-C
 };
 
 /// A command line that asks for what cannot be, whatever the files hold.
