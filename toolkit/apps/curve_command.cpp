@@ -1,6 +1,7 @@
 #include "command.h"
 #include "describe.h"
 #include "interruption.h"
+#include "output_options.h"
 #include "surface_options.h"
 
 #include <recurve/io/mesh_io.h>
@@ -22,6 +23,7 @@ struct Curve_arguments
   fs::path input, output, report;
   Surface_options surface;
   Curving_options options;
+  Write_options write;
   bool is_quiet = false;
 };
 
@@ -83,7 +85,7 @@ int run(Curve_arguments& given)
   Curving_report report;
   const Curved_mesh curved =
     naming(given.input, [&] { return curve_mesh(std::move(linear), given.options, &report, progress); });
-  run_stage("write", report.stages, progress, [&] { write_mesh(curved, results.mesh(), {}, progress); });
+  run_stage("write", report.stages, progress, [&] { write_mesh(curved, results.mesh(), {}, progress, given.write); });
 
   report.input = given.input.string();
   report.output = given.output.string();
@@ -161,6 +163,7 @@ Command add_curve_command(CLI::App& app)
     ->check(CLI::Range(1, max_degree));
   add_surface_options(*curve, given->surface, given->options);
   add_deformation_options(*curve, *given);
+  add_output_options(*curve, given->write);
   curve->add_option("--report", given->report, "write what happened as JSON")->type_name("FILE.json");
   curve->add_option("--threads", given->options.threads, "largest number of threads (default: all)")
     ->check(CLI::Range(1, 4096));
