@@ -37,6 +37,7 @@ using Command = std::function<int()>;
 
 /// Each adds a subcommand with its options to `app` and gives what is to be run if it was chosen.
 Command add_check_command(CLI::App& app);
+Command add_convert_command(CLI::App& app);
 Command add_curve_command(CLI::App& app);
 Command add_features_command(CLI::App& app);
 Command add_info_command(CLI::App& app);

@@ -1,6 +1,7 @@
 #include "command.h"
 #include "describe.h"
 #include "interruption.h"
+#include "output_options.h"
 #include "surface_options.h"
 
 #include <recurve/io/mesh_io.h>
@@ -25,6 +26,7 @@ struct Curve_arguments
   fs::path input, output, report, histogram;
   Surface_options surface;
   Curving_options options;
+  Write_options write;
   bool is_quiet = false;
 };
 
@@ -118,7 +120,7 @@ int run(Curve_arguments& given)
   const Curved_mesh curved =
     naming(given.input, [&] { return curve_mesh(std::move(linear), given.options, &report, progress); });
   run_stage("write", report.stages, progress,
-            [&] { write_mesh(curved, results.mesh(), cell_fields(report.certification), progress); });
+            [&] { write_mesh(curved, results.mesh(), cell_fields(report.certification), progress, given.write); });
 
   report.input = given.input.string();
   report.output = given.output.string();
@@ -196,6 +198,7 @@ Command add_curve_command(CLI::App& app)
     ->check(CLI::Range(1, max_degree));
   add_surface_options(*curve, given->surface, given->options);
   add_deformation_options(*curve, *given);
+  add_output_options(*curve, given->write);
   curve->add_option("--report", given->report, "write what happened as JSON")->type_name("FILE.json");
   curve
     ->add_option(
