@@ -260,6 +260,19 @@ std::string describe_rejected(const Feature_report& report)
   return text;
 }
 
+std::string describe_jacobians(const Jacobian_history& history)
+{
+  std::string text;
+  for (const Jacobian_stage& stage : history.stages)
+  {
+    text += fmt::format("{}: {} inverted", stage.name, counted(stage.inverted, "cell", "cells"));
+    if (stage.wrong_before > 0)
+      text += fmt::format(" beyond {} that were wrong before", grouped(stage.wrong_before));
+    text += fmt::format(", smallest scaled Jacobian {:.3g}\n", stage.bounds.least.scaled);
+  }
+  return text;
+}
+
 } // namespace
 
 std::string describe(const Mesh_summary& summary, const std::vector<std::string>& notes)
@@ -307,6 +320,7 @@ std::string describe(const Curving_report& report)
   text += describe_deformation(report);
   text += fmt::format("{} of {} are exactly straight\n", grouped(report.straight_cells),
                       counted(report.cells, "cell", "cells"));
+  text += describe_jacobians(report.jacobians);
   text += describe_faults(mesh);
   text += fmt::format("validity was {}\nwrote {} in {:.1f} s with at most {:.0f} MiB\n", report.validity, report.output,
                       report.seconds, static_cast<double>(report.peak_memory_bytes) / (1024.0 * 1024.0));

@@ -2,6 +2,7 @@
 
 #include "deform_mesh.h"
 #include "node_placement.h"
+#include "record_jacobians.h"
 #include "surface_passes.h"
 
 #include <recurve/core/exceptions.h>
@@ -55,13 +56,19 @@ public:
     make_surface();
     find_features(surface_, linear_, structure_.joined, options_, report_, progress_);
     raise_degree();
+    if (options_.record_jacobians)
+      run_stage("bound Jacobians", report_.stages, progress_, [&] { recorder_.record_straight(curved_); });
     if (options_.degree > 1)
     {
       place_nodes();
+      if (options_.record_jacobians && options_.deform)
+        record_undeformed();
       if (options_.deform)
         deform();
       else
         blend();
+      if (options_.record_jacobians)
+        record(curved_.nodes, states_, options_.deform ? "deformed" : "curved");
     }
     count_straight_cells();
     return std::move(curved_);
@@ -199,18 +206,37 @@ private:
     return zone(listed).patches[static_cast<std::size_t>(listed.patch)];
   }
 
-  void blend()
+  /// all zones at once: they share nodes. A face of a patch is a face of a cell, so the cells do.
+  std::vector<Element_block> cell_blocks() const
   {
-    // All zones at once: they share nodes. A face of a patch is a face of a cell, so the cells do.
     std::vector<Element_block> blocks;
     for (const Curved_zone& zone : curved_.zones)
       for (const Curved_section& section : zone.cells)
         blocks.push_back({section.type, section.nodes});
+    return blocks;
+  }
+
+  void blend()
+  {
     const Blend_report blend = run_stage("blend interior", report_.stages, progress_, [&] {
-      return blend_interior(curved_.nodes, states_, blocks, options_.degree);
+      return blend_interior(curved_.nodes, states_, cell_blocks(), options_.degree);
     });
     report_.blended_nodes = blend.blended_nodes;
-    states_ = {};
+  }
+
+  void record(std::span<const Point> nodes, std::span<const Node_state> states, std::string name)
+  {
+    run_stage("bound Jacobians", report_.stages, progress_,
+              [&] { recorder_.record(curved_, nodes, states, std::move(name)); });
+  }
+
+  /// what the cells would be like without deformation.
+  void record_undeformed()
+  {
+    std::vector<Point> nodes = curved_.nodes;
+    std::vector<Node_state> states = states_;
+    blend_interior(nodes, states, cell_blocks(), options_.degree);
+    record(nodes, states, "curved");
   }
 
   void deform()
@@ -218,7 +244,6 @@ private:
     report_.deformation = run_stage("deform interior", report_.stages, progress_,
                                     [&] { return deform_mesh(curved_, states_, selection_, options_, progress_); });
     report_.blended_nodes = report_.deformation.moved_nodes + report_.deformation.blended_face_nodes;
-    states_ = {};
   }
 
   void count_straight_cells()
@@ -237,6 +262,7 @@ private:
   Boundary_surface surface_;
   Curved_mesh curved_;
   std::vector<Node_state> states_;
+  Jacobian_recorder recorder_{report_.jacobians};
 };
 
 } // namespace

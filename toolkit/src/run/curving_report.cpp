@@ -26,6 +26,7 @@ Json json_of(const Curving_options& options)
            {{"use_connectivity", options.join.use_connectivity},
             {"use_geometry", options.join.use_geometry},
             {"tolerance", options.join.tolerance}}},
+          {"record_jacobians", options.record_jacobians},
           {"deform", options.deform},
           {"deformation",
            {{"length", options.deformation.length},
@@ -130,6 +131,25 @@ Json json_of(const Deformation_summary& deformation)
           {"largest_displacement", deformation.largest_displacement}};
 }
 
+Json json_of(const Jacobian_history& history)
+{
+  Json json = Json::array();
+  for (const Jacobian_stage& stage : history.stages)
+  {
+    const Jacobian_report::Verdicts verdicts = stage.bounds.total();
+    json.push_back({{"stage", stage.name},
+                    {"valid", verdicts.valid},
+                    {"invalid", verdicts.invalid},
+                    {"undecided", verdicts.undecided},
+                    {"inverted", stage.inverted},
+                    {"wrong_before", stage.wrong_before},
+                    {"least_scaled", stage.bounds.least.scaled},
+                    {"least_at", stage.bounds.least.position},
+                    {"histogram", stage.bounds.histogram}});
+  }
+  return json;
+}
+
 Json json_of(const std::vector<Stage_time>& stages)
 {
   Json json = Json::array();
@@ -164,6 +184,7 @@ std::string to_json(const Curving_report& report)
       {"largest_relative", json_of(report.largest_relative_displacement)}}},
     {"cells",
      {{"total", report.cells}, {"straight", report.straight_cells}, {"curved", report.cells - report.straight_cells}}},
+    {"jacobians", json_of(report.jacobians)},
     {"validity", report.validity},
     {"seconds", report.seconds},
     {"stages", json_of(report.stages)},

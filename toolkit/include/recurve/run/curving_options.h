@@ -46,6 +46,10 @@ struct Curving_options
   /// whether a node counts by the area that it stands for, so that a finely meshed wall has no more influence.
   bool area_weights = false;
 
+  /// whether to bound the Jacobians of all cells before and after each step, for `Curving_report::jacobians`. That
+  /// needs time, and memory for a second copy of the nodes.
+  bool record_jacobians = false;
+
   int threads = 0; ///< largest number of threads; 0: as many as there are. The result does not depend on it
 
   /// the degree of the fits that `fit_degree` means.

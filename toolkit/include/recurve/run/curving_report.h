@@ -4,6 +4,7 @@
 #include <recurve/features/feature_report.h>
 #include <recurve/run/curving_options.h>
 #include <recurve/run/deformation_summary.h>
+#include <recurve/run/jacobian_history.h>
 #include <recurve/run/mesh_summary.h>
 #include <recurve/run/stages.h>
 #include <recurve/surface/reconstruction_report.h>
@@ -72,6 +73,7 @@ struct Curving_report
   Largest_displacement largest_relative_displacement; ///< by its relation to the edge
 
   Index cells = 0, straight_cells = 0;
+  Jacobian_history jacobians;           ///< if `Curving_options::record_jacobians`
   std::string validity = "not checked"; ///< whether the cells are certified to be valid
 
   std::vector<Stage_time> stages;
