@@ -141,20 +141,39 @@ private:
     }
   }
 
-  /// whether the rim of `region` moves, and nowhere out of the plane: a facet of a curved surface does.
+  /// whether `region` moves, and within its plane: a facet of a curved surface leaves it.
   bool moves_within(const Planar_region& region, const Region_nodes& nodes)
   {
-    constexpr double tolerance = 1e-6; // of the displacement; what rounding leaves of it out of the plane is less
+    // What rounding leaves of a displacement out of the plane is less: of its length, and of L, as the corners of a
+    // plane are rounded too.
+    constexpr double tolerance = 1e-6, rounding = 1e-9;
 
-    double largest = 0, largest_out = 0;
-    for (const Index node : nodes.rim)
-    {
-      largest = std::max(largest, length(field(node)));
-      largest_out = std::max(largest_out, length(difference(field(node), along_plane(region, field(node)))));
-    }
-    for (const Index node : nodes.inside)
-      largest_out = std::max(largest_out, length(difference(field(node), along_plane(region, field(node)))));
-    return largest > 0 && largest_out <= tolerance * largest;
+    // A few nodes at a corner of the rim, where a wall of a single face has no say in its edge, do not make a symmetry
+    // plane a facet; all nodes of a facet's rim leave its plane.
+    constexpr double least_share = 0.9;
+
+    Index moving = 0, within = 0;
+    for (const std::vector<Index>* list : {&nodes.rim, &nodes.inside})
+      for (const Index node : *list)
+        if (const double way = length(field(node)); way > 0)
+        {
+          ++moving;
+          within += length(difference(field(node), along_plane(region, field(node)))) <=
+                    std::max(tolerance * way, rounding * summary_.length);
+        }
+    return moving > 0 && static_cast<double>(within) >= least_share * static_cast<double>(moving);
+  }
+
+  /// takes a node of the rim back to the plane, if it has left it.
+  void put_into_plane(const Planar_region& region, Index node)
+  {
+    const Point within = along_plane(region, field(node));
+    if (within == field(node))
+      return;
+    field(node) = within;
+    const Point& straight = straight_[source_number(node)];
+    mesh_.nodes[static_cast<std::size_t>(node)] = {straight[0] + within[0], straight[1] + within[1],
+                                                   straight[2] + within[2]};
   }
 
   void move_planar_patch(const Planar_region& region, const Region_nodes& nodes)
@@ -163,8 +182,9 @@ private:
     std::vector<Point> positions, given, targets, result(nodes.inside.size());
     for (const Index node : nodes.rim)
     {
+      put_into_plane(region, node);
       positions.push_back(at(node));
-      given.push_back(along_plane(region, field(node)));
+      given.push_back(field(node));
     }
     for (const Index node : nodes.inside)
       targets.push_back(at(node));
