@@ -249,14 +249,14 @@ std::string describe_rejected(const Feature_report& report)
       rows.push_back({grouped(curve->edges), fmt::format("{:.6g}", curve->length),
                       fmt::format("{:.1f}", curve->max_dihedral), at_point(curve->first_point),
                       curve->is_closed ? "closed" : at_point(curve->last_point), std::string(explain(curve->reason))});
-  std::string text = fmt::format(
-    "\n{} not taken ({}), longest first\n\n",
-    counted(static_cast<Index>(report.rejected.size()), "candidate curve was", "candidate curves were"),
-    counted(edges, "edge", "edges"));
+  std::string text =
+    fmt::format("\n{} not taken ({}), longest first\n\n",
+                counted(static_cast<Index>(report.rejected.size()), "candidate curve was", "candidate curves were"),
+                counted(edges, "edge", "edges"));
   text += table(rows);
   if (longest.size() > shown_rejections)
-    text += fmt::format("  and {} more; --json has them\n",
-                        grouped(static_cast<Index>(longest.size() - shown_rejections)));
+    text +=
+      fmt::format("  and {} more; --json has them\n", grouped(static_cast<Index>(longest.size() - shown_rejections)));
   return text;
 }
 
