@@ -40,6 +40,7 @@ Command add_check_command(CLI::App& app);
 Command add_convert_command(CLI::App& app);
 Command add_curve_command(CLI::App& app);
 Command add_features_command(CLI::App& app);
+Command add_formats_command(CLI::App& app);
 Command add_info_command(CLI::App& app);
 
 /// shows progress in `bar` and ends the work when the user asks for that.

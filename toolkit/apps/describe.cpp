@@ -221,19 +221,6 @@ std::string describe_jacobians(const Jacobian_history& history)
   return text;
 }
 
-std::string describe_jacobians(const Jacobian_history& history)
-{
-  std::string text;
-  for (const Jacobian_stage& stage : history.stages)
-  {
-    text += fmt::format("{}: {} inverted", stage.name, counted(stage.inverted, "cell", "cells"));
-    if (stage.wrong_before > 0)
-      text += fmt::format(" beyond {} that were wrong before", grouped(stage.wrong_before));
-    text += fmt::format(", smallest scaled Jacobian {:.3g}\n", stage.bounds.least.scaled);
-  }
-  return text;
-}
-
 } // namespace
 
 std::string describe(const Mesh_summary& summary, const std::vector<std::string>& notes)

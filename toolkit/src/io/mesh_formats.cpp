@@ -19,6 +19,7 @@ Mesh_format cgns_format()
           .largest_degree_read = 4,
           .largest_degree_written = 4,
           .content = {all_mesh_content.begin(), all_mesh_content.end()},
+          .shortened = "names beyond 32 bytes, digits of periodic maps beyond 7",
           .versions = "read up to 4.x, HDF5 and ADF; written 3.4, HDF5",
           .readers = "HOPR, PETSc, Gmsh, Tecplot; ParaView in part",
           .read = read_curved_cgns,
@@ -33,6 +34,7 @@ Mesh_format msh_format()
           .largest_degree_read = max_degree,
           .largest_degree_written = max_degree,
           .content = {Mesh_content::zones, Mesh_content::periodicity},
+          .shortened = "names beyond 127 bytes",
           .versions = "2.2 and 4.1, binary and ASCII",
           .readers = "Gmsh, PyFR and PyHOPE (4.1), MFEM (2.2), Nektar++",
           .read = read_msh,
@@ -45,12 +47,13 @@ Mesh_format vtu_format()
 {
   return {.name = "VTU",
           .extensions = {".vtu"},
-          .largest_degree_read = 0,
+          .largest_degree_read = max_degree,
           .largest_degree_written = max_degree,
           .content = {Mesh_content::zones},
-          .versions = "2.2, Lagrange cells of VTK 9.1",
+          .shortened = "",
+          .versions = "2.2, Lagrange cells of VTK 9.1; only our own are read",
           .readers = "ParaView, VisIt, PyVista",
-          .read = {},
+          .read = read_vtu,
           .write = [](const Curved_mesh& mesh, const fs::path& file, const std::vector<Cell_field>& fields,
                       const Write_options&,
                       const Progress_callback& progress) { write_vtu(mesh, file, fields, progress); }};
@@ -63,6 +66,7 @@ Mesh_format su2_format()
           .largest_degree_read = max_degree,
           .largest_degree_written = 0,
           .content = {},
+          .shortened = "",
           .versions = "native text, linear and high order",
           .readers = "",
           .read = read_su2,
@@ -76,6 +80,7 @@ Mesh_format ugrid_format()
           .largest_degree_read = 1,
           .largest_degree_written = 0,
           .content = {},
+          .shortened = "",
           .versions = ".b8, .b4, .lb8, .lb4 and text; .mapbc",
           .readers = "",
           .read = read_ugrid,
@@ -89,6 +94,7 @@ Mesh_format hopr_format()
           .largest_degree_read = max_degree,
           .largest_degree_written = max_degree,
           .content = {Mesh_content::zones, Mesh_content::periodicity},
+          .shortened = "names beyond 255 bytes",
           .versions = "HDF5, 1.0",
           .readers = "PyHOPE; FLEXI (hexahedra)",
           .read = read_hopr,
@@ -168,6 +174,41 @@ std::string describe_loss(const Mesh_format& format, const Curved_mesh& mesh)
         has_content(mesh, content))
       lost.push_back(content_name(content));
   return lost.empty() ? "" : fmt::format("{} does not hold, and this mesh has: {}", format.name, fmt::join(lost, ", "));
+}
+
+namespace {
+
+std::string degree_text(int largest)
+{
+  if (largest == 0)
+    return "no";
+  return largest == 1 ? std::string("linear") : fmt::format("degree 1 to {}", largest);
+}
+
+std::string lost_text(const Mesh_format& format)
+{
+  if (format.largest_degree_written == 0)
+    return "";
+  std::vector<std::string_view> lost;
+  for (const Mesh_content content : all_mesh_content)
+    if (std::find(format.content.begin(), format.content.end(), content) == format.content.end())
+      lost.push_back(content_name(content));
+  if (!format.shortened.empty())
+    lost.push_back(format.shortened);
+  return lost.empty() ? "nothing" : fmt::format("{}", fmt::join(lost, ", "));
+}
+
+} // namespace
+
+std::string format_table()
+{
+  std::string text = "| format | extension | read | written | versions | lost when written | read by |\n"
+                     "|---|---|---|---|---|---|---|\n";
+  for (const Mesh_format& format : mesh_formats())
+    text += fmt::format("| {} | `{}` | {} | {} | {} | {} | {} |\n", format.name, fmt::join(format.extensions, "`, `"),
+                        degree_text(format.largest_degree_read), degree_text(format.largest_degree_written),
+                        format.versions, lost_text(format), format.readers);
+  return text;
 }
 
 } // namespace recurve

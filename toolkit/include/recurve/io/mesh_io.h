@@ -59,6 +59,7 @@ struct Mesh_format
   int largest_degree_read = 0;         ///< 0: cannot be read
   int largest_degree_written = 0;      ///< 0: cannot be written
   std::vector<Mesh_content> content;   ///< what it holds when it is written
+  std::string shortened;               ///< what it holds in part, for the documentation
   std::string versions;                ///< of the format, for the documentation
   std::string readers;                 ///< programs that read what is written, for the documentation
   std::function<Zonal_mesh(const std::filesystem::path&, Read_report*, const Progress_callback&)>
@@ -90,6 +91,9 @@ Curved_mesh read_curved_mesh(const std::filesystem::path& file, Read_report* rep
 /// checks that a mesh of degree `degree` can be written to `file`, as far as its name tells, so that a program can
 /// refuse before the work. \throws Input_error if the format is unknown or does not hold the degree.
 void check_writable(const std::filesystem::path& file, int degree);
+
+/// the formats as a table in Markdown: what the README shows.
+std::string format_table();
 
 /// what `mesh` says and `format` does not hold, as one line without the name of a file; empty if nothing is lost.
 std::string describe_loss(const Mesh_format& format, const Curved_mesh& mesh);
