@@ -122,12 +122,13 @@ class Command_line(unittest.TestCase):
         before = self.mesh.read_bytes()
         run = recurve("curve", self.mesh, self.out, "--report", self.report)
         self.assertEqual((run.returncode, run.stderr), (DONE, ""))
-        for word in ("192 hexahedra", "degree 2", "sphere, outer", "largest displacement", "validity was not checked"):
+        for word in ("192 hexahedra", "degree 2", "sphere, outer", "largest displacement", "certified valid: all 192 cells"):
             self.assertIn(word, run.stdout)
         self.assertEqual(self.files(), ["out.cgns", "report.json", "shell.cgns"])
         self.assertEqual(self.mesh.read_bytes(), before)
         report = json.loads(self.report.read_text())
-        self.assertEqual(report["validity"], "not checked")
+        self.assertTrue(report["validity"]["is_certified"])
+        self.assertEqual(report["validity"]["after_restoration"]["invalid"], 0)
         self.assertEqual(report["options"]["fit_degree"], 2)
         self.assertEqual(report["patches"][0]["curved_faces"], 96)
         self.assertEqual([s["stage"] for s in report["stages"]][0], "read")

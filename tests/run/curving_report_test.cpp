@@ -51,7 +51,11 @@ TEST_CASE("the report of a conversion counts what is there")
   CHECK(found["cells"]["straight"] == 96);
   CHECK(found["cells"]["curved"] == 96);
   CHECK(found["deformation"].is_null());
-  CHECK(found["validity"] == "not checked");
+  CHECK(found["validity"]["is_certified"] == true);
+  CHECK(found["validity"]["promised_cells"] == 192);
+  CHECK(found["validity"]["after_restoration"]["by_type"]["hexahedron"]["valid"] == 192);
+  CHECK(found["validity"]["share_at_full_curvature"] == 1.0);
+  CHECK(found["validity"]["curved_faces"] == 96);
   CHECK(found["displacement"]["largest"]["length"] > 0.0);
   CHECK(found["peak_memory_bytes"] > 1000000);
   CHECK(found["seconds"] > 0.0);

@@ -283,6 +283,44 @@ TEST_CASE("restore_validity: the inside gives way before the surface", "[volume]
       CHECK(m.levels[n] == 0);
 }
 
+TEST_CASE("restore_validity: inner nodes are repaired, and nothing is given up", "[volume]")
+{
+  const Element_type type = GENERATE(from_range(cell_types));
+  const int degree = GENERATE(2, 3);
+  CAPTURE(element_name(type), degree);
+  Deformed_mesh m(box_of(type, degree, 3));
+  // A smooth motion that all cells bear, and within it nodes inside the volume that are thrown about.
+  m.displace([](const Point& p) -> Point { return {0.02 * std::sin(3 * p[1]), 0, 0.02 * std::sin(4 * p[0])}; });
+  const std::vector<Point> smooth = m.nodes;
+  REQUIRE(bound_jacobians(smooth, m.mesh.blocks(), degree).total().invalid == 0);
+  std::vector<char> is_corner(m.nodes.size());
+  for (const auto& [t, list] : m.mesh.elements)
+    for (std::size_t n = 0; n < list.size(); ++n)
+      if (static_cast<int>(n % std::size_t(node_count(t, degree))) < corner_count(t))
+        is_corner[std::size_t(list[n])] = 1;
+  std::mt19937 random(6);
+  std::uniform_real_distribution<double> uniform(-0.25 / degree, 0.25 / degree);
+  m.assign(Node_role::surface, [](const Point& p) {
+    return p[0] < 0.2 || p[0] > 0.8 || p[1] < 0.2 || p[1] > 0.8 || p[2] < 0.2 || p[2] > 0.8;
+  });
+  for (std::size_t n = 0; n < m.nodes.size(); ++n)
+    if (m.roles[n] == Node_role::inside && !is_corner[n])
+      for (double& x : m.nodes[n])
+        x += uniform(random);
+  REQUIRE(bound_jacobians(m.nodes, m.mesh.blocks(), degree).total().invalid > 0);
+
+  const Restoration_report report = m.restore();
+  CHECK(report.is_certified());
+  CHECK(report.failing_cells > 0);
+  CHECK(report.repaired_cells == report.failing_cells);
+  CHECK(report.repaired_nodes > 0);
+  CHECK(report.reduced_cells == 0);
+  CHECK(is_valid(m));
+  for (std::size_t n = 0; n < m.nodes.size(); ++n)
+    if (is_corner[n] || m.roles[n] != Node_role::inside)
+      CHECK(m.nodes[n] == smooth[n]);
+}
+
 TEST_CASE("restore_validity: linked nodes keep the same share", "[volume]")
 {
   Deformed_mesh m(layered_box(Element_type::hexahedron, 2, 0.02, 3));

@@ -30,7 +30,8 @@ struct Cell_bounds
   std::vector<double> scaled; ///< `Jacobian_bounds::scaled`
   std::vector<Validity> verdicts;
 
-  explicit Cell_bounds(Index cells = 0)
+  Cell_bounds() = default;
+  explicit Cell_bounds(Index cells)
     : scaled(static_cast<std::size_t>(cells)), verdicts(static_cast<std::size_t>(cells), Validity::undecided)
   {}
 };

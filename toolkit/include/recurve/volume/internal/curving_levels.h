@@ -90,6 +90,7 @@ public:
   /// Nodes that changed since `forget_changes()`, as marks.
   std::span<const std::uint8_t> changed() const { return changed_; }
   bool has_changes() const { return !changes_.empty(); }
+  Index change_count() const { return static_cast<Index>(changes_.size()); }
 
   void forget_changes()
   {

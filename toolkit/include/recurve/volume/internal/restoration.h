@@ -7,6 +7,7 @@
 #include <recurve/volume/bound_jacobian.h>
 #include <recurve/volume/internal/curving_levels.h>
 #include <recurve/volume/internal/flat_cell.h>
+#include <recurve/volume/internal/repair_interior.h>
 #include <recurve/volume/internal/restoration_cells.h>
 #include <recurve/volume/restoration_report.h>
 
@@ -43,9 +44,9 @@ public:
       report_.restored = report_.deformed;
     else
     {
-      reduce(std::move(failing));
+      reduce(repair_with_surface(std::move(failing)));
       smooth();
-      reduce(certify_changes());
+      reduce(repair(certify_changes()));
       report_.restored = certify_all(); // anew: nothing rests on what was remembered
       report_.uncertified = cells_.with(Restoration_cells::failing);
     }
@@ -159,6 +160,55 @@ private:
     return bounds(cells_.degree()).verdict == Validity::valid;
   }
 
+  // Repair. ----------------------------------------------------------------------------------------------------------
+
+  /// moves inner nodes around failing cells. Returns the cells that still fail.
+  std::vector<Block_element> repair(std::vector<Block_element> failing)
+  {
+    if (options_.repair_layers == 0 || failing.empty())
+      return failing;
+    const auto is_valid_at = [this](Block_element cell, const auto& position) { return is_valid(cell, position); };
+    Interior_repair(cells_, levels_, roles_, options_, is_valid_at).run(failing);
+    report_.repaired_nodes += levels_.change_count();
+    certify_changes();
+    std::vector<Block_element> rest = cells_.with(Restoration_cells::failing);
+    report_.repaired_cells += static_cast<Index>(failing.size()) - static_cast<Index>(rest.size());
+    return rest;
+  }
+
+  /// repairs; where that does not suffice, lowers the boundary of failing cells by one step of the ladder, and repairs
+  /// again: the inside follows the boundary better than by giving up its own displacement.
+  std::vector<Block_element> repair_with_surface(std::vector<Block_element> failing)
+  {
+    failing = repair(std::move(failing));
+    bool is_better = options_.repair_layers > 0;
+    for (int step = 0; is_better && step < straight_level && lower_boundary(failing); ++step)
+    {
+      ++report_.rounds;
+      certify_changes();
+      std::vector<Block_element> rest = repair(cells_.with(Restoration_cells::failing));
+      is_better = rest.size() < failing.size();
+      failing = std::move(rest);
+    }
+    return failing;
+  }
+
+  /// lowers displaced nodes on the boundary of failing cells by one level. Returns whether there were any.
+  bool lower_boundary(std::span<const Block_element> failing)
+  {
+    std::vector<std::pair<Index, std::uint8_t>> wanted;
+    for (const Block_element cell : failing)
+      for (const Index node : cells_.nodes(cell))
+        if (const std::uint8_t level = levels_.level(node);
+            roles_[static_cast<std::size_t>(node)] != Node_role::inside && level < straight_level &&
+            levels_.is_displaced(node))
+          wanted.emplace_back(node, static_cast<std::uint8_t>(level + 1));
+    for (const auto& [node, level] : wanted)
+      levels_.request(node, level);
+    levels_.apply();
+    return !wanted.empty();
+  }
+
   // Reduction. -------------------------------------------------------------------------------------------------------
 
   /// A way to reduce a cell: all its nodes of `role` and of those before it, to at least `level`.
@@ -249,10 +299,13 @@ private:
       own = std::max(own, level);
     };
     const auto is_inside = [this](Index node) { return roles_[static_cast<std::size_t>(node)] == Node_role::inside; };
-    const std::uint8_t in_cell = largest(nodes, [](Index node) { return node; });
+    std::uint8_t inside = 0; // of the nodes that are
     for (const Index node : nodes)
       if (is_inside(node))
-        raise(node, in_cell);
+        inside = std::max(inside, reach[static_cast<std::size_t>(node)]);
+    for (const Index node : nodes)
+      if (is_inside(node))
+        raise(node, inside);
     const Element_type type = cells_.type(cell);
     for (int f = 0; f < reference_element(type).face_count; ++f)
     {

@@ -61,7 +61,8 @@ public:
   enum Flag : std::uint8_t
   {
     excluded = 1, ///< the promise leaves it out
-    failing = 2
+    failing = 2,
+    in_region = 4 ///< of a repair
   };
 
   Restoration_cells(std::span<const Element_block> blocks, int degree) : blocks_(blocks), degree_(degree)
