@@ -102,14 +102,6 @@ private:
   Text_result report_, histogram_;
 };
 
-/// the certified Jacobians of the cells, if they were recorded, to be written beside the mesh.
-std::vector<Cell_field> cell_fields(const Jacobian_history& history)
-{
-  if (history.stages.empty())
-    return {};
-  return {{"scaled_jacobian", history.scaled}};
-}
-
 int run(Curve_arguments& given)
 {
   finish_surface_options(given.surface, given.options);
