@@ -75,9 +75,9 @@ TEST_CASE("the keys of the report are the documented ones")
   CHECK(keys(found["mesh"]) == std::vector<std::string>{"boundary", "bounding_box", "cells", "cells_by_type",
                                                         "interfaces", "joined_zones", "name", "orientation", "patches",
                                                         "points", "zones"});
-  CHECK(keys(found["fits"]) == std::vector<std::string>{"faces", "faces_of_degree", "first_lowered_faces",
+  CHECK(keys(found["fits"]) == std::vector<std::string>{"faces", "faces_of_degree", "first_lowered_faces", "fits",
                                                         "lowered_by_reason", "lowered_faces", "planar_faces",
-                                                        "poor_stencils", "stencil_vertices"});
+                                                        "poor_stencils", "reduced_fits", "stencil_vertices"});
   CHECK(keys(found["features"]) ==
         std::vector<std::string>{"border_edges", "candidate_edges", "critical_edges", "curves", "isolated_corners",
                                  "rejected_curves", "rejected_edges", "sharp_edges", "sharp_vertices", "weak_edges"});

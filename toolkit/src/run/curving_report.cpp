@@ -17,6 +17,7 @@ Json json_of(const Curving_options& options)
 {
   return {{"degree", options.degree},
           {"fit_degree", options.effective_fit_degree()},
+          {"fit_preset", fit_preset_name(options.fit_preset)},
           {"largest_displacement", options.largest_displacement},
           {"curve", options.curve},
           {"keep", options.keep},
@@ -97,6 +98,8 @@ Json json_of_fits(const Curving_report& report)
           {"faces_of_degree", std::move(faces_of_degree)},
           {"planar_faces", report.fits.planar_faces},
           {"poor_stencils", report.fits.poor_stencils},
+          {"fits", report.fits.fits},
+          {"reduced_fits", report.fits.reduced_fits},
           {"stencil_vertices", report.fits.stencil_vertices},
           {"lowered_faces", report.fits.lowered_faces},
           {"lowered_by_reason", std::move(reasons)},

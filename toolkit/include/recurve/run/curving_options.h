@@ -10,9 +10,23 @@
 #include <algorithm>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace recurve {
+
+/// How the surface is reconstructed.
+enum class Fit_preset
+{
+  standard, ///< "default": fits of vertices, blended (`fit_vertices()`), and feature curves of the same degree
+  paper     ///< fits of faces as in Ims & Wang 2018 (`reconstruct_surface()`), and cubic splines
+};
+
+/// "default" or "paper", as in options and reports.
+constexpr std::string_view fit_preset_name(Fit_preset preset)
+{
+  return preset == Fit_preset::paper ? "paper" : "default";
+}
 
 /// What a conversion may vary.
 struct Curving_options
@@ -20,6 +34,8 @@ struct Curving_options
   int degree = 2; ///< degree p of the elements, 1 to 6; 1 leaves every cell as it is
 
   int fit_degree = 0; ///< degree d of the local polynomials, 1 to 6; 0: max(2, degree)
+
+  Fit_preset fit_preset = Fit_preset::standard;
 
   /// a fit that moves its face farther than this is taken at a lower degree; in sizes of the face (largest distance of
   /// a corner from the centre). Half a size is the rise of an arc of more than 100 degrees over one face: beyond it the

@@ -20,7 +20,10 @@ struct Compact_stencil
   {
     const int coefficients = coefficient_count(degree);
     const auto has_enough = [&] {
-      const double ratio = builder.touches_rim() ? points_per_coefficient_at_rim : points_per_coefficient;
+      // A parabola is what is left where nothing else will do: from the nearest points alone.
+      const double ratio = degree <= 2             ? 1
+                           : builder.touches_rim() ? points_per_coefficient_at_rim
+                                                   : points_per_coefficient;
       return static_cast<double>(builder.size()) >= ratio * coefficients;
     };
     for (int ring = 0; ring < most_rings; ++ring)
@@ -72,9 +75,9 @@ struct Gaussian_weighting
   }
 };
 
-/// Model of `Least_squares_solver`: Householder's QR, column after column by ascending degree. The highest degree whose
-/// terms the points cannot tell apart, and all above, are left out (their coefficients are 0); the terms below are then
-/// those of a fit of the lower degree.
+/// Model of `Least_squares_solver`: Householder's QR, column after column by ascending degree. A term that the points
+/// cannot tell from the terms before it is left out (its coefficient is 0): in a strip one face wide those across the
+/// strip, while those along it stay.
 struct Graded_qr
 {
   double least_independence = 1e-3; ///< sine of the angle between a column and those before it, below which the points

@@ -4,6 +4,7 @@
 #include <recurve/surface/internal/vector_3.h>
 #include <recurve/surface/vertex_fit.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <span>
@@ -30,7 +31,11 @@ public:
       return;
     for (int i = 0; i < count_; ++i)
       for (int j = 0; j < count_; ++j)
-        residuals_[i][j] = i == j ? 0 : way(i, fits_[j]->origin, direction_at(j));
+        if (i != j)
+        {
+          residuals_[i][j] = way(i, fits_[j]->origin, direction_at(j));
+          longest_side_ = std::max(longest_side_, length(subtract(fits_[j]->origin, fits_[i]->origin)));
+        }
   }
 
   bool is_flat() const { return is_flat_; }
@@ -56,10 +61,12 @@ public:
       total += weight;
       sum += weight * corrected_way(i, x, direction, weights);
     }
-    return scaled(total > 0 ? sum / total : 0, direction);
+    const bool is_sane = total > 0 && std::abs(sum) <= largest_way * total * longest_side_;
+    return scaled(is_sane ? sum / total : 0, direction);
   }
 
 private:
+  static constexpr double largest_way = 0.5;     ///< in longest sides: the rise of a half circle
   static constexpr double least_direction = 0.1; ///< normals that nearly cancel say nothing
 
   Point direction_at(int corner) const { return fits_[corner]->n; }
@@ -86,6 +93,7 @@ private:
 
   int count_ = 0;
   bool is_flat_ = true;
+  double longest_side_ = 0; ///< or diagonal
   std::array<const Vertex_fit*, 4> fits_ = {};
   std::array<std::array<double, 4>, 4> residuals_ = {}; ///< [i][j]: from corner j to the surface of fit i
 };

@@ -2,6 +2,7 @@
 #define RECURVE_SURFACE_INTERNAL_FIT_ALL_VERTICES_H
 
 #include <recurve/core/progress.h>
+#include <recurve/surface/internal/edge_displacement.h>
 #include <recurve/surface/internal/surface_arrays.h>
 #include <recurve/surface/internal/vertex_fitter.h>
 #include <recurve/surface/vertex_fit.h>
@@ -35,7 +36,9 @@ class All_vertex_fits
 {
 public:
   All_vertex_fits(const Surface_arrays& surface, const Policies& policies, const Vertex_fit_bounds& bounds)
-    : surface_(surface), bounds_(bounds), fitters_([&] { return Vertex_fitter<Policies>(surface, policies); }),
+    : surface_(surface), bounds_(bounds), fitters_([&] {
+        return Vertex_fitter<Policies>(surface, policies, bounds.largest_displacement, bounds.largest_disagreement);
+      }),
       fits_(surface.points.size()), stencil_sizes_(surface.points.size(), 0),
       reasons_(surface.points.size(), Lowering_reason::not_finite), displacements_(surface.neighbors.size(), 0.0)
   {}
@@ -95,10 +98,8 @@ private:
     for (Index i = surface_.neighbor_first[v]; i < surface_.neighbor_first[v + 1]; ++i)
     {
       displacements_[i] = 0;
-      if (fit.state != Vertex_fit_state::curved)
-        continue;
-      const Point end = fit.local_coordinates(surface_.points[surface_.neighbors[i]]);
-      displacements_[i] = fit.height(0.5 * end[0], 0.5 * end[1]) - 0.5 * fit.height(end[0], end[1]);
+      if (fit.state == Vertex_fit_state::curved)
+        displacements_[i] = middle_displacement(fit, surface_.points[surface_.neighbors[i]]);
     }
   }
 
@@ -111,14 +112,6 @@ private:
     if (place == last || *place != v)
       return std::numeric_limits<double>::quiet_NaN();
     return displacements_[place - surface_.neighbors.begin()];
-  }
-
-  double largest_displacement_at(Index v) const
-  {
-    double largest = 0;
-    for (Index i = surface_.neighbor_first[v]; i < surface_.neighbor_first[v + 1]; ++i)
-      largest = std::max(largest, std::abs(displacements_[i]));
-    return largest;
   }
 
   /// lowers the wanted degree of the vertices of `candidates` whose fits are poor. \return them.
@@ -136,44 +129,37 @@ private:
     return poor;
   }
 
+  /// a lower degree where the fit of a neighbour displaces the edge between them otherwise and is nearer to what the
+  /// normals tell.
   std::int8_t degree_wanted(Index v)
   {
     const Vertex_fit& fit = fits_[v];
     if (fit.state != Vertex_fit_state::curved)
       return degrees_[v];
-    const int lower = std::max(0, (fit.degree - 1) / 2 * 2);
+    Estimated_bend bend;
     for (Index i = surface_.neighbor_first[v]; i < surface_.neighbor_first[v + 1]; ++i)
     {
       const Index neighbor = surface_.neighbors[i];
-      const Vertex_fit& other = fits_[neighbor];
-      const double edge_length = length(subtract(surface_.points[neighbor], fit.origin));
+      if (fits_[neighbor].state != Vertex_fit_state::curved)
+        continue;
       const double own = displacements_[i];
-      if (std::abs(own) > bounds_.largest_displacement * edge_length)
-      {
-        set_reason(v, Lowering_reason::displacement);
-        return static_cast<std::int8_t>(lower);
-      }
-      if (other.state != Vertex_fit_state::curved || other.degree > fit.degree)
-        continue; // the higher of two is to be lowered first
       const double others = opposite_displacement(v, neighbor);
       const double difference = std::abs(own - others);
-      if (difference <= bounds_.largest_disagreement * std::max(std::abs(own), std::abs(others)))
+      if (!(difference > bounds_.largest_disagreement * std::max(std::abs(own), std::abs(others))))
         continue;
-      // Along a ruling both are next to nothing: there what counts is how far the surface bends around the vertex.
-      const double around = std::max(largest_displacement_at(v), largest_displacement_at(neighbor));
-      if (difference > std::min(negligible_difference * around, negligible_part_of_edge * edge_length))
+      const double edge_length = length(subtract(surface_.points[neighbor], fit.origin));
+      if (bend.longest_edge == 0)
+        bend = estimated_bend(surface_, v);
+      const double estimate = estimated_displacement(surface_, v, neighbor);
+      if (difference > bend.negligible_displacement(edge_length) &&
+          std::abs(own - estimate) >= std::abs(others - estimate))
       {
-        set_reason(v, Lowering_reason::disagreement);
-        return static_cast<std::int8_t>(lower);
+        if (degrees_[v] == bounds_.degree)
+          reasons_[v] = Lowering_reason::disagreement;
+        return static_cast<std::int8_t>((fit.degree - 1) / 2 * 2);
       }
     }
     return degrees_[v];
-  }
-
-  void set_reason(Index v, Lowering_reason reason)
-  {
-    if (degrees_[v] == bounds_.degree)
-      reasons_[v] = reason;
   }
 
   /// `vertices` and their neighbours, ascending.
@@ -189,9 +175,6 @@ private:
     all.erase(std::unique(all.begin(), all.end()), all.end());
     return all;
   }
-
-  static constexpr double negligible_difference = 0.1;
-  static constexpr double negligible_part_of_edge = 1e-2;
 
   const Surface_arrays& surface_;
   Vertex_fit_bounds bounds_;

@@ -101,47 +101,55 @@ inline Scaled_equations& equations_of_thread()
   return equations;
 }
 
-/// turns the equations to triangular form: on return the upper triangle of the first columns is R, and the first rows
-/// of the right-hand side belong to it. \return the number of columns done: it stops at the first one whose part across
-/// those before is not longer than `least_independence` (at 0 it stops only for what is not a number).
-inline int triangulate(Scaled_equations& equations, double least_independence)
+/// Which columns of the equations are in the triangle.
+struct Triangle
+{
+  int size = 0;
+  std::array<int, max_columns> columns; ///< entry c is the column with the diagonal entry in row c; ascending
+};
+
+/// turns the equations to triangular form. A column whose part across those before it is not longer than
+/// `least_independence` is left out; its rows stay as they are. On return column triangle.columns[c] holds column c of
+/// R in its first rows, and the first rows of the right-hand side belong to it.
+inline Triangle triangulate(Scaled_equations& equations, double least_independence)
 {
   const int rows = equations.rows();
   const int columns = equations.columns();
-  int c = 0;
-  for (; c < std::min(rows, columns); ++c)
+  Triangle triangle;
+  for (int c = 0; c < columns && triangle.size < rows; ++c)
   {
+    const int row = triangle.size;
     double* const pivot = equations.column(c);
-    const int rest = rows - c;
-    const double norm = std::sqrt(dot_product(pivot + c, pivot + c, rest));
-    if (norm == 0 && least_independence == 0)
-      continue; // triangular already
+    const int rest = rows - row;
+    const double norm = std::sqrt(dot_product(pivot + row, pivot + row, rest));
     if (!(norm > least_independence))
-      break;
-    const double diagonal = pivot[c] > 0 ? -norm : norm;
-    pivot[c] -= diagonal; // pivot[c...] is now Householder's vector
-    const double factor = -1 / (diagonal * pivot[c]);
+      continue;
+    const double diagonal = pivot[row] > 0 ? -norm : norm;
+    pivot[row] -= diagonal; // pivot[row...] is now Householder's vector
+    const double factor = -1 / (diagonal * pivot[row]);
     for (int other = c + 1; other <= columns; ++other)
     {
       double* const values = equations.column(other);
-      const double amount = factor * dot_product(pivot + c, values + c, rest);
-      for (int i = c; i < rows; ++i)
+      const double amount = factor * dot_product(pivot + row, values + row, rest);
+      for (int i = row; i < rows; ++i)
         values[i] -= amount * pivot[i];
     }
-    pivot[c] = diagonal;
+    pivot[row] = diagonal;
+    triangle.columns[static_cast<std::size_t>(triangle.size++)] = c;
   }
-  return c;
+  return triangle;
 }
 
-/// solves the first `count` rows of the triangular equations.
-inline void substitute_back(Scaled_equations& equations, int count, std::span<double> coefficients)
+/// solves the triangular equations.
+inline void substitute_back(Scaled_equations& equations, const Triangle& triangle, std::span<double> coefficients)
 {
   double* const rhs = equations.rhs();
-  for (int c = count - 1; c >= 0; --c)
+  for (int row = triangle.size - 1; row >= 0; --row)
   {
+    const int c = triangle.columns[static_cast<std::size_t>(row)];
     const double* const column = equations.column(c);
-    const double x = rhs[c] / column[c];
-    for (int i = 0; i < c; ++i)
+    const double x = rhs[row] / column[row];
+    for (int i = 0; i < row; ++i)
       rhs[i] -= x * column[i];
     coefficients[static_cast<std::size_t>(c + equations.first_coefficient())] = x * equations.scaling(c);
   }
@@ -153,12 +161,8 @@ inline void solve_by_graded_qr(const Weighted_points& points, int degree, double
   std::fill(coefficients.begin(), coefficients.end(), 0.0);
   Scaled_equations& equations = equations_of_thread();
   equations.set(points, degree);
-  const int done = triangulate(equations, least_independence);
-  int whole = degree; // the highest degree whose terms are all there
-  while (whole > 0 && coefficient_count(whole) - equations.first_coefficient() > done)
-    --whole;
-  if (coefficient_count(whole) - equations.first_coefficient() <= done)
-    substitute_back(equations, coefficient_count(whole) - equations.first_coefficient(), coefficients);
+  const Triangle triangle = triangulate(equations, least_independence);
+  substitute_back(equations, triangle, coefficients);
 }
 
 /// Square matrix that needs no heap.
@@ -173,15 +177,21 @@ void solve_compressed(const Weighted_points& points, int degree, std::span<doubl
   Scaled_equations& equations = equations_of_thread();
   equations.set(points, degree);
   const int columns = equations.columns();
-  const int done = triangulate(equations, 0);
-  const int rows = std::min(equations.rows(), columns);
+  const Triangle triangle = triangulate(equations, 0);
+  const int rows = triangle.size;
   Small_matrix matrix = Small_matrix::Zero(rows, columns);
   Small_vector rhs(rows);
   for (int i = 0; i < rows; ++i)
     rhs[i] = equations.rhs()[i];
-  for (int c = 0; c < columns; ++c)
-    for (int i = 0; i < (c < done ? std::min(c + 1, rows) : rows); ++i)
+  for (int c = 0, diagonal = 0; c < columns; ++c)
+  {
+    const bool is_inside = diagonal < rows && triangle.columns[static_cast<std::size_t>(diagonal)] == c;
+    diagonal += is_inside ? 1 : 0; // a column that was left out ends above the diagonal
+    for (int i = 0; i < diagonal; ++i)
       matrix(i, c) = equations.column(c)[i];
+  }
+  if (rows == 0)
+    return;
   const Small_vector x = solve(matrix, rhs);
   for (int c = 0; c < columns; ++c)
     coefficients[static_cast<std::size_t>(c + equations.first_coefficient())] = x[c] * equations.scaling(c);

@@ -1,6 +1,7 @@
 #ifndef RECURVE_SURFACE_INTERNAL_VERTEX_FITTER_H
 #define RECURVE_SURFACE_INTERNAL_VERTEX_FITTER_H
 
+#include <recurve/surface/internal/edge_displacement.h>
 #include <recurve/surface/internal/face_normal.h>
 #include <recurve/surface/internal/surface_arrays.h>
 #include <recurve/surface/internal/vector_3.h>
@@ -28,30 +29,52 @@ struct Vertex_result
 /// Spread of the neighbours of a vertex, the smaller over the larger, below which they count as a line.
 inline constexpr double least_spread_ratio = 1e-8;
 
+/// Difference of the displacements of a fit and of the normals' estimate, over the larger: beyond it the fit
+/// oscillates. At a border the estimate is half of the truth.
+inline constexpr double largest_departure = 0.75;
+
 /// Fits one vertex after another; holds the memory that every fit needs, so that fits allocate nothing.
 template <class Policies>
 class Vertex_fitter
 {
 public:
-  Vertex_fitter(const Surface_arrays& surface, const Policies& policies)
-    : surface_(&surface), policies_(&policies), builder_(surface),
+  Vertex_fitter(const Surface_arrays& surface, const Policies& policies, double largest_displacement,
+                double largest_disagreement)
+    : surface_(&surface), policies_(&policies), builder_(surface), largest_displacement_(largest_displacement),
+      largest_disagreement_(largest_disagreement),
       has_twins_(surface.vertex_count() > 0 && surface.original_vertices.back() + 1 != surface.vertex_count())
   {}
 
+  /// fits `vertex` with the highest degree up to `degree` that is any good, in even steps.
   Vertex_result fit(Index vertex, int degree)
   {
     Vertex_result result;
     result.reason = Lowering_reason::no_normal;
-    Vertex_fit& fit = result.fit;
-    fit.origin = surface_->points[vertex];
-    if (surface_->is_tip[vertex] || surface_->normals[vertex] == Point{0, 0, 0} || !set_axes(vertex, fit))
+    result.fit.origin = surface_->points[vertex];
+    if (surface_->is_tip[vertex] || surface_->normals[vertex] == Point{0, 0, 0} || !set_axes(vertex, result.fit))
       return result;
-    gather_points(vertex, fit, degree);
-    result.stencil_size = builder_.size();
-    fit.state = is_planar_ ? Vertex_fit_state::planar : Vertex_fit_state::flat;
-    if (is_planar_)
-      return result;
-    solve(degree, result);
+    const Estimated_bend bend = estimated_bend(*surface_, vertex);
+    result.fit.state = Vertex_fit_state::flat;
+    bool is_first = true;
+    for (int d = degree; d > 0; d = (d - 1) / 2 * 2)
+    {
+      gather_points(vertex, result.fit, d);
+      if (is_planar_)
+        result.fit.state = Vertex_fit_state::planar;
+      if (is_planar_)
+        return result;
+      result.stencil_size = builder_.size();
+      const Verdict verdict =
+        solve(d, result.fit) ? judge(vertex, d, result.fit, bend) : Verdict{Lowering_reason::not_finite, false};
+      if (is_first && !(verdict.is_good && result.fit.degree == degree))
+        result.reason = verdict.reason; // the reason of the first lowering stands
+      is_first = false;
+      if (verdict.is_good)
+        return result;
+    }
+    result.fit.coefficients = {};
+    result.fit.degree = 0;
+    result.fit.state = Vertex_fit_state::flat;
     return result;
   }
 
@@ -146,25 +169,65 @@ private:
       is_planar_ = false;
   }
 
-  void solve(int degree, Vertex_result& result)
+  /// sets coefficients, degree and state of `fit`. \return whether they are finite.
+  bool solve(int degree, Vertex_fit& fit) const
   {
-    Vertex_fit& fit = result.fit;
-    const std::size_t count = static_cast<std::size_t>(coefficient_count(degree));
-    const std::span<double> coefficients(fit.coefficients.data(), count);
+    const std::span<double> coefficients(fit.coefficients.data(), static_cast<std::size_t>(coefficient_count(degree)));
+    fit.coefficients = {};
     policies_->solver(Weighted_points{s_, t_, height_, weight_, true}, degree, coefficients);
     if (!std::all_of(coefficients.begin(), coefficients.end(), [](double c) { return std::isfinite(c); }))
-    {
-      fit.coefficients = {};
-      result.reason = Lowering_reason::not_finite;
-      return;
-    }
+      return false;
     fit.degree = degree;
     while (fit.degree > 0 && has_no_terms(fit, fit.degree))
       --fit.degree;
-    if (fit.degree < degree)
-      result.reason = Lowering_reason::undetermined;
-    if (fit.degree > 0)
-      fit.state = Vertex_fit_state::curved;
+    fit.state = fit.degree > 0 ? Vertex_fit_state::curved : Vertex_fit_state::flat;
+    return true;
+  }
+
+  struct Verdict
+  {
+    Lowering_reason reason = Lowering_reason::undetermined;
+    bool is_good = true;
+  };
+
+  /// whether `fit` can be trusted on the edges at `vertex`. Where it departs from what the normals tell, it must agree
+  /// with the fit of two degrees less: a series that converges does.
+  Verdict judge(Index vertex, int degree, const Vertex_fit& fit, const Estimated_bend& bend) const
+  {
+    Vertex_fit lower;
+    bool has_lower = false;
+    for (const Index neighbor : surface_->neighbors_of(vertex))
+    {
+      const Point& end = surface_->points[neighbor];
+      const double edge_length = length(subtract(end, fit.origin));
+      const double own = middle_displacement(fit, end);
+      if (!(std::abs(own) <= largest_displacement_ * edge_length))
+        return {Lowering_reason::displacement, false};
+      const double estimate = estimated_displacement(*surface_, vertex, neighbor);
+      const double negligible = bend.negligible_displacement(edge_length);
+      if (std::abs(own - estimate) <= negligible)
+        continue;
+      if (degree <= 2 && bend.is_short(edge_length))
+        continue; // flat would be worse: it gives up the long edges for the short ones
+      const auto departs = [&](double other, double bound) {
+        const double difference = std::abs(own - other);
+        return difference > negligible && difference > bound * std::max(std::abs(own), std::abs(other));
+      };
+      if (departs(estimate, largest_departure))
+        return {Lowering_reason::disagreement, false};
+      if (degree <= 2)
+        continue;
+      if (!has_lower)
+      {
+        lower = fit;
+        if (!solve(degree - 2, lower))
+          return {Lowering_reason::not_finite, false};
+        has_lower = true;
+      }
+      if (departs(middle_displacement(lower, end), largest_disagreement_))
+        return {Lowering_reason::disagreement, false};
+    }
+    return {};
   }
 
   static bool has_no_terms(const Vertex_fit& fit, int degree)
@@ -176,6 +239,8 @@ private:
   const Surface_arrays* surface_;
   const Policies* policies_;
   Stencil_builder builder_;
+  double largest_displacement_;
+  double largest_disagreement_;
   bool has_twins_; ///< some vertices are on several regions
   bool is_planar_ = false;
   double slope_noise_ = 0; ///< tilt of the normal by the resolution of the points, per unit of that resolution
