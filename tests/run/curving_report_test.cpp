@@ -78,7 +78,8 @@ TEST_CASE("the keys of the report are the documented ones")
   CHECK(keys(found["fits"]) == std::vector<std::string>{"faces", "faces_of_degree", "first_lowered_faces", "fits",
                                                         "lowered_by_reason", "lowered_faces", "planar_faces",
                                                         "poor_stencils", "reduced_fits", "stencil_vertices"});
-  CHECK(keys(found["features"]) ==
-        std::vector<std::string>{"border_edges", "candidate_edges", "critical_edges", "curves", "isolated_corners",
-                                 "rejected_curves", "rejected_edges", "sharp_edges", "sharp_vertices", "weak_edges"});
+  CHECK(keys(found["features"]) == std::vector<std::string>{"border_edges", "candidate_edges", "critical_edges",
+                                                            "curves", "isolated_corners", "longest_rejected_curves",
+                                                            "rejected_curves", "rejected_edges", "sharp_edges",
+                                                            "sharp_vertices", "weak_edges"});
 }

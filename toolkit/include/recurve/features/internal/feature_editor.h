@@ -26,7 +26,7 @@ public:
                  const Feature_edit_options& options, std::vector<char> edge_is_critical,
                  std::vector<char> vertex_is_sharp)
     : s_(surface), angles_(measure_angles(surface, constrained)), patch_(std::move(patch_of_face)), options_(options),
-      critical_(std::move(edge_is_critical)), sharp_(std::move(vertex_is_sharp)), names_(surface),
+      critical_(std::move(edge_is_critical)), sharp_(std::move(vertex_is_sharp)), names_(surface, options.tolerance),
       out_(sorted_out_halfedges(surface))
   {}
 
