@@ -189,7 +189,7 @@ std::string describe_deformation(const Curving_report& report)
   std::string text = fmt::format("interior: {} moved, at most {:.4g}",
                                  counted(deformation.moved_nodes, "node", "nodes"), deformation.largest_displacement);
   if (deformation.planar_patches > 0)
-    text += fmt::format("; {} in {} that follow their rim in the plane", grouped(deformation.planar_nodes),
+    text += fmt::format("; {} of them in {}", grouped(deformation.planar_nodes),
                         counted(deformation.planar_patches, "planar patch", "planar patches"));
   return text + "\n";
 }
@@ -249,14 +249,14 @@ std::string describe_rejected(const Feature_report& report)
       rows.push_back({grouped(curve->edges), fmt::format("{:.6g}", curve->length),
                       fmt::format("{:.1f}", curve->max_dihedral), at_point(curve->first_point),
                       curve->is_closed ? "closed" : at_point(curve->last_point), std::string(explain(curve->reason))});
-  std::string text = fmt::format(
-    "\n{} not taken ({}), longest first\n\n",
-    counted(static_cast<Index>(report.rejected.size()), "candidate curve was", "candidate curves were"),
-    counted(edges, "edge", "edges"));
+  std::string text =
+    fmt::format("\n{} not taken ({}), longest first\n\n",
+                counted(static_cast<Index>(report.rejected.size()), "candidate curve was", "candidate curves were"),
+                counted(edges, "edge", "edges"));
   text += table(rows);
   if (longest.size() > shown_rejections)
-    text += fmt::format("  and {} more; --json has them\n",
-                        grouped(static_cast<Index>(longest.size() - shown_rejections)));
+    text +=
+      fmt::format("  and {} more; --json has them\n", grouped(static_cast<Index>(longest.size() - shown_rejections)));
   return text;
 }
 
