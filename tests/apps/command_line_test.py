@@ -154,6 +154,30 @@ class Command_line(unittest.TestCase):
         # A quarter turn of the sphere in four edges: the straight edges' middles are up to 0.019 inside the sphere.
         self.assertGreater(radius.min(), 1 - 0.002)
 
+    def test_interior(self):
+        picture = self.folder / "jacobians.svg"
+        run = recurve("curve", self.mesh, self.out, "--report", self.report, "--histogram", picture)
+        self.assertEqual(run.returncode, DONE, run.stderr)
+        report = json.loads(self.report.read_text())
+        self.assertEqual([s["stage"] for s in report["jacobians"]], ["straight", "curved", "deformed"])
+        self.assertEqual(report["jacobians"][2]["valid"], report["cells"]["total"])
+        self.assertGreater(report["deformation"]["moved_nodes"], 0)
+        self.assertTrue(picture.read_text().startswith("<svg"))
+        self.assertIn("0 cells inverted", run.stdout)
+        run = recurve("curve", self.mesh, self.out, "--report", self.report, "--no-deform", "--area-weights",
+                      "--influence-radius", "2", "--deform-error", "1e-3")
+        self.assertEqual(run.returncode, DONE, run.stderr)
+        report = json.loads(self.report.read_text())
+        self.assertIsNone(report["deformation"])
+        self.assertEqual(report["options"]["deformation"]["influence_radius"], 2)
+        for arguments in (["--histogram", "picture.png"], ["--histogram", self.report], ["--periodic", "sphere"],
+                          ["--periodic", "a,b,c"], ["--influence-radius", "0"], ["--deform-error", "2"]):
+            run = recurve("curve", self.mesh, self.out, "--report", self.report, *arguments)
+            self.assertEqual(run.returncode, USAGE, arguments)
+        run = recurve("curve", self.mesh, self.out, "--periodic", "sphere,nowhere")
+        self.assertEqual(run.returncode, BAD_INPUT)
+        self.assertIn("nowhere", run.stderr)
+
     def test_quiet(self):
         run = recurve("curve", self.mesh, self.out, "--quiet")
         self.assertEqual((run.returncode, run.stdout, run.stderr), (DONE, "", ""))

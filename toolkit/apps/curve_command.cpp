@@ -9,6 +9,7 @@
 #include <recurve/run/curve_mesh.h>
 #include <recurve/run/stages.h>
 
+#include <array>
 #include <chrono>
 #include <memory>
 #include <optional>
@@ -25,6 +26,7 @@ struct Curve_arguments
 {
   fs::path input, output, report, histogram;
   Surface_options surface;
+  std::vector<std::string> periodic; ///< "A,B"
   Curving_options options;
   Write_options write;
   bool is_quiet = false;
@@ -102,10 +104,21 @@ private:
   Text_result report_, histogram_;
 };
 
+/// "A,B" as A and B.
+std::array<std::string, 2> split_pair(const std::string& pair)
+{
+  const auto comma = pair.find(',');
+  if (comma == std::string::npos || pair.find(',', comma + 1) != std::string::npos)
+    throw Usage_error(fmt::format("--periodic takes two patches, as A,B; not {}", pair));
+  return {pair.substr(0, comma), pair.substr(comma + 1)};
+}
+
 int run(Curve_arguments& given)
 {
   finish_surface_options(given.surface, given.options);
   check_files(given);
+  for (const std::string& pair : given.periodic)
+    given.options.periodic.push_back(split_pair(pair));
   given.options.record_jacobians = !given.histogram.empty();
   Progress_bar bar(!given.is_quiet);
   const Progress_callback progress = callback_of(bar);
@@ -142,6 +155,13 @@ void add_deformation_options(CLI::App& curve, Curve_arguments& given)
   curve
     .add_flag("!--no-deform", given.options.deform,
               "bend only cells that touch the curved surface; thin layers behind it may fold")
+    ->group(group);
+  curve
+    .add_option("--periodic", given.periodic,
+                "patches that are a translation apart and stay so, as A,B; may be given again. What the mesh calls "
+                "periodic stays so by itself")
+    ->type_name("A,B")
+    ->take_all()
     ->group(group);
   curve
     .add_option(

@@ -137,7 +137,7 @@ std::string describe_deformation(const Curving_report& report)
   std::string text = fmt::format("interior: {} moved, at most {:.4g}",
                                  counted(deformation.moved_nodes, "node", "nodes"), deformation.largest_displacement);
   if (deformation.planar_patches > 0)
-    text += fmt::format("; {} in {} that follow their rim in the plane", grouped(deformation.planar_nodes),
+    text += fmt::format("; {} of them in {}", grouped(deformation.planar_nodes),
                         counted(deformation.planar_patches, "planar patch", "planar patches"));
   return text + "\n";
 }

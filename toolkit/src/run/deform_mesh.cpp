@@ -1,5 +1,6 @@
 #include "deform_mesh.h"
 
+#include "periodic_motion.h"
 #include "planar_regions.h"
 
 #include <recurve/elements/node_layout.h>
@@ -56,11 +57,15 @@ public:
     field_.assign(mesh_.nodes.size(), zero);
     list_sources();
     take_displacements(sources_);
+    list_periodic_nodes();
+    copy_periodic_nodes();
     move_planar_patches();
     blend_other_faces();
+    copy_periodic_nodes();
     move_interior();
     find_local_lengths();
     apply();
+    copy_periodic_nodes();
     return summary_;
   }
 
@@ -211,6 +216,42 @@ private:
     summary_.blended_face_nodes = blend_interior(mesh_.nodes, states_, blocks, mesh_.degree).blended_nodes;
     for (const Element_block& block : blocks)
       take_displacements(block.nodes);
+  }
+
+  void list_periodic_nodes()
+  {
+    periodic_ = find_periodic_nodes(mesh_, options_.periodic);
+    for (Periodic_nodes& periodic : periodic_)
+    {
+      std::erase_if(periodic.pairs, [&](const auto& pair) {
+        return !std::ranges::binary_search(sources_, pair[0]) || !std::ranges::binary_search(sources_, pair[1]);
+      });
+      summary_.periodic_pairs += static_cast<Index>(periodic.pairs.size());
+    }
+  }
+
+  /// gives the image of each node of a periodic patch the image of the node's displacement.
+  void copy_periodic_nodes()
+  {
+    for (const Periodic_nodes& periodic : periodic_)
+      for (const auto& [node, image] : periodic.pairs)
+      {
+        const Point& straight = straight_[source_number(node)];
+        const Point& straight_image = straight_[source_number(image)];
+        field(image) = periodic.period.image_of_displacement(field(node));
+        states_[static_cast<std::size_t>(image)] = states_[static_cast<std::size_t>(node)];
+        Point& place = mesh_.nodes[static_cast<std::size_t>(image)];
+        place = straight_image;
+        if (!is_displaced(states_[static_cast<std::size_t>(node)]))
+          continue;
+        // Where the straight-sided mesh is periodic to the bit, so is the curved one.
+        const Point displacement = periodic.period.image_of_displacement(difference(position(node), straight));
+        if (periodic.period.image(straight) == straight_image)
+          place = periodic.period.image(position(node));
+        else
+          for (std::size_t d = 0; d < 3; ++d)
+            place[d] += displacement[d];
+      }
   }
 
   // The interior. -----------------------------------------------------------------------------------------------------
@@ -383,10 +424,11 @@ private:
   std::vector<char> is_planar_face_;    ///< whether the face is in a planar patch that follows its rim
   std::vector<Index> sources_;          ///< nodes, ascending
   std::vector<Point> straight_;         ///< per source, where the straight-sided mesh has it
-  std::vector<Index> planar_nodes_;     ///< those inside planar patches that follow their rim
-  std::vector<Point> field_;            ///< per node
-  std::vector<double> local_length_;    ///< per node, set for corners
-  std::vector<std::uint8_t> is_done_;   ///< per node
+  std::vector<Periodic_nodes> periodic_;
+  std::vector<Index> planar_nodes_;   ///< those inside planar patches that follow their rim
+  std::vector<Point> field_;          ///< per node
+  std::vector<double> local_length_;  ///< per node, set for corners
+  std::vector<std::uint8_t> is_done_; ///< per node
 };
 
 } // namespace

@@ -77,7 +77,7 @@ private:
       write(left - 8, y + 4, "end", fmt::format("{:.0f}", std::pow(10.0, decade)));
     }
     text_ += fmt::format("<path d=\"M{} {}H{}\" stroke=\"black\"/>\n", left, height - bottom, width - right);
-    write(x_of(0) + slot_width() / 2, height - bottom + 18, "middle", "not valid");
+    write(x_of(1) - 14, height - bottom + 18, "end", "not valid"); // beside the 0.0 of the first bin
     for (std::size_t bin = 0; bin <= Jacobian_report::bin_count; bin += Jacobian_report::bin_count / 10)
       write(x_of(bin + 1), height - bottom + 18, "middle",
             fmt::format("{:.1f}", static_cast<double>(bin) / Jacobian_report::bin_count));

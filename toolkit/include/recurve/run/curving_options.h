@@ -8,6 +8,7 @@
 #include <recurve/volume/restoration_report.h>
 
 #include <algorithm>
+#include <array>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -52,6 +53,10 @@ struct Curving_options
   Feature_options features = {};
   std::optional<Feature_file> feature_edits = {}; ///< applied after detection, or instead
   Join_options join = {};
+
+  /// pairs of patches that are a translation apart and have to stay so, by their names; with those that the mesh calls
+  /// periodic itself.
+  std::vector<std::array<std::string, 2>> periodic = {};
 
   /// whether nodes inside the mesh follow the curved surface through all layers (see doc/deform_interior.md); else only
   /// cells that touch it are bent.
