@@ -266,7 +266,7 @@ private:
       const std::string& name = mesh_.patches[static_cast<std::size_t>(key.first - 1)].name;
       const bool has_both =
         faces.count({key.first, Element_type::triangle}) > 0 && faces.count({key.first, Element_type::quadrangle}) > 0;
-      mesh_.faces.push_back({key.first - 1, name + (has_both ? "_" + std::string(element_name(key.second)) : ""),
+      mesh_.faces.push_back({key.first - 1, has_both ? fmt::format("{}_{}", name, element_name(key.second)) : name,
                              key.second, std::move(nodes)});
     }
     for (auto& [condition, pairs] : periodic)

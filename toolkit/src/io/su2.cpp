@@ -302,7 +302,7 @@ private:
     }
     if (groups.size() > 1)
       for (const auto& [type, group] : groups)
-        mesh_.faces[group].name += "_" + std::string(element_name(type));
+        mesh_.faces[group].name = fmt::format("{}_{}", marker_, element_name(type));
   }
 
   Index patch_of(const std::string& name)

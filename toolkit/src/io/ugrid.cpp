@@ -241,7 +241,7 @@ private:
       for (std::size_t t = 0; t < 2; ++t)
         if (!nodes[t].empty())
           mesh_.faces.push_back({static_cast<Index>(mesh_.patches.size()),
-                                 patch.name + (has_both ? "_" + std::string(element_name(types[t].type)) : ""),
+                                 has_both ? fmt::format("{}_{}", patch.name, element_name(types[t].type)) : patch.name,
                                  types[t].type, std::move(nodes[t])});
       mesh_.patches.push_back(std::move(patch));
     }

@@ -294,10 +294,11 @@ private:
     if (is_new)
     {
       const std::string name(element_name(type));
-      groups.push_back({is_cell ? zone : patch,
-                        is_cell ? name : strings_["patch_names"][static_cast<std::size_t>(patch)] + "_" + name,
-                        type,
-                        {}});
+      groups.push_back(
+        {is_cell ? zone : patch,
+         is_cell ? name : fmt::format("{}_{}", strings_["patch_names"][static_cast<std::size_t>(patch)], name),
+         type,
+         {}});
     }
     return groups[entry->second].nodes;
   }
