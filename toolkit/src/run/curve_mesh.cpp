@@ -3,6 +3,7 @@
 #include "certify.h"
 #include "deform_mesh.h"
 #include "node_placement.h"
+#include "periodic_motion.h"
 #include "record_jacobians.h"
 #include "surface_passes.h"
 
@@ -232,10 +233,19 @@ private:
     report_.blended_nodes = blend.blended_nodes;
   }
 
+  /// pairs of nodes on the two sides of periodic patches.
+  std::vector<std::array<Index, 2>> linked_nodes() const
+  {
+    std::vector<std::array<Index, 2>> linked;
+    for (const Periodic_nodes& periodic : find_periodic_nodes(curved_, options_.periodic))
+      linked.insert(linked.end(), periodic.pairs.begin(), periodic.pairs.end());
+    return linked;
+  }
+
   void certify()
   {
     report_.certification = run_stage("certify", report_.stages, progress_, [&] {
-      return certify_and_restore(curved_, states_, selection_, options_.restoration, progress_);
+      return certify_and_restore(curved_, states_, selection_, linked_nodes(), options_.restoration, progress_);
     });
   }
 
