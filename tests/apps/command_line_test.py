@@ -373,6 +373,12 @@ class Command_line(unittest.TestCase):
         turned = self.edited(f'{start}turning_angle = 15\n[[edit]]\naction = "add"\n'
                              'patches = ["wing_tip", "wing_upper"]\n[[edit]]\naction = "add"\n'
                              'patches = ["wing_tip", "wing_lower"]\n')
+        self.assertEqual([(e["edges"], e["changed_edges"], e["sharpened"]) for e in turned["edits"]],
+                         [(16, 16, 0), (16, 16, 1)])
+        self.assertTrue(turned["edits"][0]["origin"].endswith("edits.toml, line 3"))
+        self.assertGreater(turned["edits"][1]["largest_turning"], 150)  # at the trailing edge, whose angle is 15 degrees
+        text = recurve("features", WING, "--features", self.folder / "edits.toml").stdout
+        self.assertRegex(text, r"\n  \S+edits.toml, line 3 +16 +16 ")
         self.assertEqual(turned["sharp_vertices"], 1)  # the trailing edge; the nose turns by 12 degrees a vertex
         box = self.edited('[[edit]]\naction = "remove"\nbox = [[-9, -9, -9], [9, 0, 9]]\n')
         self.assertEqual(box["critical_edges"], 2 * 32)

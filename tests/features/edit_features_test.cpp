@@ -3,7 +3,9 @@
 #include <recurve/features/edit_features.h>
 
 #include <CGAL/boost/graph/graph_traits_PolyMesh_ArrayKernelT.h>
+#include <CGAL/boost/graph/graph_traits_TriMesh_ArrayKernelT.h>
 #include <OpenMesh/Core/Mesh/PolyMesh_ArrayKernelT.hh>
+#include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 
 #include <CGAL/Polyhedron_3.h>
 #include <CGAL/boost/graph/copy_face_graph.h>
@@ -358,8 +360,43 @@ struct Double_traits : OpenMesh::DefaultTraits
   using Normal = OpenMesh::Vec3d;
 };
 using Open_mesh = OpenMesh::PolyMesh_ArrayKernelT<Double_traits>;
+using Open_triangle_mesh = OpenMesh::TriMesh_ArrayKernelT<Double_traits>;
+
+template <class OpenMeshType>
+OpenMeshType to_open_mesh(const Surface& surface)
+{
+  OpenMeshType open;
+  std::vector<typename OpenMeshType::VertexHandle> handles, corners;
+  for (const Point& p : surface.points)
+    handles.push_back(open.add_vertex({p[0], p[1], p[2]}));
+  for (const auto& face : surface.faces)
+  {
+    corners.clear();
+    for (const std::size_t v : face)
+      corners.push_back(handles[v]);
+    open.add_face(corners);
+  }
+  return open;
+}
 
 } // namespace
+
+TEST_CASE("apply_feature_edits: equal on OpenMesh's triangle meshes")
+{
+  const Surface surface = rough_sheet(6, 0.2, Split::same, 5);
+  const Mesh mesh = to_mesh(surface);
+  const Edits edits = {{.kind = Kind::crease_path, .vertices = at({surface.points[0], surface.points[44]})},
+                       {.kind = Kind::chain, .vertices = at({surface.points[8], surface.points[9]}), .angle = 1},
+                       {.kind = Kind::box, .smallest = {2, 2, -9}, .largest = {4, 5, 9}}};
+  Flags expected(mesh);
+  expected.apply(edits);
+  CHECK(expected.critical().size() > 10);
+  const auto open = to_open_mesh<Open_triangle_mesh>(surface);
+  Flags on_open(open);
+  on_open.apply(edits);
+  CHECK(on_open.critical() == expected.critical());
+  CHECK(on_open.sharp() == expected.sharp());
+}
 
 TEST_CASE("apply_feature_edits: equal on all models of a graph, however it is scaled, and again")
 {
@@ -384,17 +421,7 @@ TEST_CASE("apply_feature_edits: equal on all models of a graph, however it is sc
   CHECK(on_polyhedron.critical() == expected.critical());
   CHECK(on_polyhedron.sharp() == expected.sharp());
 
-  Open_mesh open;
-  std::vector<Open_mesh::VertexHandle> handles, corners;
-  for (const Point& p : surface.points)
-    handles.push_back(open.add_vertex({p[0], p[1], p[2]}));
-  for (const auto& face : surface.faces)
-  {
-    corners.clear();
-    for (const std::size_t v : face)
-      corners.push_back(handles[v]);
-    open.add_face(corners);
-  }
+  const auto open = to_open_mesh<Open_mesh>(surface);
   Flags on_open(open);
   on_open.apply(edits);
   CHECK(on_open.critical() == expected.critical());

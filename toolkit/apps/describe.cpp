@@ -170,6 +170,21 @@ std::string describe_curves(const Feature_listing& listing)
   return text;
 }
 
+std::string describe_edits(const Feature_listing& listing)
+{
+  if (listing.edits.empty())
+    return "";
+  std::vector<std::vector<std::string>> rows = {
+    {"edit", "edges", "changed", "on the border", "length", "largest turn", "vertices sharpened", "smoothed"}};
+  for (const Applied_edit& edit : listing.edits)
+    if (rows.size() <= shown_curves)
+      rows.push_back({edit.origin, grouped(edit.result.edges), grouped(edit.result.changed_edges),
+                      grouped(edit.result.pinned_edges), fmt::format("{:.6g}", edit.result.length),
+                      fmt::format("{:.1f}", edit.largest_turning()), grouped(edit.result.sharpened),
+                      grouped(edit.result.smoothed)});
+  return "\n" + table(rows);
+}
+
 std::string_view explain(Rejection reason)
 {
   switch (reason)
@@ -250,7 +265,7 @@ std::string describe(const Feature_listing& listing)
   return fmt::format("{}, {}, {}\n", counted(report.critical_edges, "critical edge", "critical edges"),
                      counted(static_cast<Index>(report.curves.size()), "curve", "curves"),
                      counted(report.sharp_vertices, "sharp vertex", "sharp vertices")) +
-         describe_curves(listing) + describe_rejected(report);
+         describe_edits(listing) + describe_curves(listing) + describe_rejected(report);
 }
 
 std::string describe(const Curving_report& report)

@@ -1,3 +1,4 @@
+#include "edit_passes.h"
 #include "resolve_edits.h"
 #include "surface_passes.h"
 
@@ -113,6 +114,14 @@ std::vector<std::string> patches_beside(const Feature_curve<Boundary_surface::Me
 void find_features(Boundary_surface& surface, const Volume_mesh& mesh, const Joined_zones& joined,
                    const Curving_options& options, Curving_report& report, const Progress_callback& progress)
 {
+  std::vector<Applied_edit> applied;
+  find_features(surface, mesh, joined, options, report, applied, progress);
+}
+
+void find_features(Boundary_surface& surface, const Volume_mesh& mesh, const Joined_zones& joined,
+                   const Curving_options& options, Curving_report& report, std::vector<Applied_edit>& applied,
+                   const Progress_callback& progress)
+{
   const auto& edits = options.feature_edits;
   Feature_options detection = options.features;
   if (edits && !edits->starts_from_detection)
@@ -123,10 +132,12 @@ void find_features(Boundary_surface& surface, const Volume_mesh& mesh, const Joi
   });
   if (!edits)
     return;
+  const std::vector<Feature_edit> resolved = resolve_edits(*edits, mesh, joined, surface);
   Feature_edit_report edited = run_stage("edit features", report.stages, progress, [&] {
-    return edit(surface, resolve_edits(*edits, mesh, joined, surface), surface.edge_is_critical,
-                surface.vertex_is_sharp, edits->options, patches);
+    return edit(surface, resolved, surface.edge_is_critical, surface.vertex_is_sharp, edits->options, patches);
   });
+  for (std::size_t i = 0; i < resolved.size(); ++i)
+    applied.push_back({resolved[i].origin, std::move(edited.edits[i])});
   take_edited(report.features, std::move(edited.features));
 }
 

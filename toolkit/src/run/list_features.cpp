@@ -1,7 +1,7 @@
 #include <recurve/run/list_features.h>
 
+#include "edit_passes.h"
 #include "json.h"
-#include "surface_passes.h"
 
 #include <recurve/core/exceptions.h>
 #include <recurve/io/pending_file.h>
@@ -52,8 +52,8 @@ Feature_listing list_features(Volume_mesh mesh, const Curving_options& options, 
     const Face_selection selection = select_patches(mesh, structure.boundary, options.curve, options.keep);
     return make_boundary_surface(mesh, structure.joined, structure.boundary, selection);
   });
-  find_features(surface, mesh, structure.joined, options, report, progress);
   Feature_listing listing;
+  find_features(surface, mesh, structure.joined, options, report, listing.edits, progress);
   run_stage("list curves", report.stages, progress, [&] {
     list_curves(surface, mesh, options.feature_edits ? options.feature_edits->options : Feature_edit_options{},
                 listing);
@@ -79,6 +79,16 @@ std::string to_json(const Feature_listing& listing)
   Json json = json_of(listing.report);
   for (std::size_t i = 0; i < listing.curves.size(); ++i)
     json["curves"][i]["patches"] = listing.curves[i].patches;
+  json["edits"] = Json::array();
+  for (const Applied_edit& edit : listing.edits)
+    json["edits"].push_back({{"origin", edit.origin},
+                             {"edges", edit.result.edges},
+                             {"changed_edges", edit.result.changed_edges},
+                             {"border_edges", edit.result.pinned_edges},
+                             {"sharpened", edit.result.sharpened},
+                             {"smoothed", edit.result.smoothed},
+                             {"length", edit.result.length},
+                             {"largest_turning", edit.largest_turning()}});
   return json_text(json);
 }
 

@@ -7,6 +7,7 @@
 #include <recurve/run/curving_options.h>
 #include <recurve/run/feature_file.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -21,12 +22,29 @@ struct Listed_curve
   std::vector<std::string> patches; ///< names of the patches beside it, in alphabetical order
 };
 
+/// What one edit of a feature file did.
+struct Applied_edit
+{
+  std::string origin; ///< the place of the edit: "wing.toml, line 12"
+  Feature_edit_result result;
+
+  /// in degrees, at the vertices of added edges at which two critical edges meet; 0 without one.
+  double largest_turning() const
+  {
+    double largest = 0;
+    for (const Curve_turning& turning : result.turnings)
+      largest = std::max(largest, turning.angle);
+    return largest;
+  }
+};
+
 /// The features of a mesh as curve_mesh() would see them.
 struct Feature_listing
 {
   Feature_report report;
   std::vector<Listed_curve> curves; ///< in the order of `report.curves`
   std::vector<Point> sharp_points;  ///< of the sharp vertices, in their order
+  std::vector<Applied_edit> edits;  ///< of `Curving_options::feature_edits`, in their order
   Feature_file file;                ///< edits that give the same features, to the bit, without detection
 };
 
@@ -40,7 +58,7 @@ Feature_listing list_features(Volume_mesh mesh, const Curving_options& options =
 std::string to_csv(const Feature_listing& listing);
 
 /// `report` as JSON, the same object as the key "features" of the report of a conversion, with `patches` for each
-/// curve.
+/// curve and with `edits`.
 std::string to_json(const Feature_listing& listing);
 
 /// VTK XML poly data: sharp vertices as vertices, curves as lines; cell data `curve` (-1 for vertices) and `is_closed`.
