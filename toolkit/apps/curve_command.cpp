@@ -166,7 +166,8 @@ void add_deformation_options(CLI::App& curve, Curve_arguments& given)
   curve
     .add_option(
       "--influence-radius", formula.summation.reach,
-      "distance from the curved surface beyond which nothing moves, in the unit of the mesh (default: no limit)")
+      "distance from the nearest node of the boundary that moves, beyond which nothing does, in the unit of the mesh "
+      "(default: no limit)")
     ->check(CLI::PositiveNumber)
     ->group(group);
   curve

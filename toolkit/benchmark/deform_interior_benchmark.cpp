@@ -1,6 +1,6 @@
 // Time, error and memory of the interior deformation, next to the plain sum.
 //
-//   deform_interior_benchmark                              the standard cases, one core
+//   deform_interior_benchmark                              the standard cases
 //   deform_interior_benchmark SOURCES TARGETS [BOUND] [THREADS] [GEOMETRY]
 //
 // Sources are spread over the unit sphere and displaced as by curving (every other one at rest); the influence's length
@@ -158,6 +158,11 @@ int main(int argc, char** argv)
       run({.sources = sources, .geometry = geometry});
   for (const double bound : {1e-2, 1e-6})
     run({.bound = bound});
+  // How it grows with the sources, and with a second thread; the clock tells the time of two.
+  for (const int sources : {25'000, 1'600'000})
+    run({.sources = sources});
+  for (const int sources : {100'000, 400'000})
+    run({.sources = sources, .threads = 2});
   run({.sources = 1'000'000, .targets = 10'000'000});
   return 0;
 }

@@ -11,11 +11,12 @@ namespace recurve {
 /// gives a straight-sided mesh its curves back: the whole conversion, from a linear mesh in memory to a curved one.
 ///
 /// The zones are joined where they touch, the selected patches of all zones become one surface, its features are found,
-/// polynomials fitted and the nodes of degree `options.degree` placed on edges and faces; the nodes inside faces and
-/// cells follow by blending. Corners never move, and a cell none of whose nodes moved is marked straight and has each
-/// node where the straight-sided cell has it, to the bit. The rim of a curved patch is a feature curve, also where a
-/// patch that is kept begins: the first faces of that one follow the rim, a planar one within its plane. An edge where
-/// more than two curved faces meet takes the mean of what the faces ask for.
+/// polynomials fitted and the nodes of degree `options.degree` placed on edges and faces; planar
+/// patches follow their rim in their plane and all layers of cells the surface (`options.deform`; without it, only
+/// cells at the surface are bent). Corners never move, and a cell none of whose nodes moved is marked straight and has
+/// each node where the straight-sided cell has it, to the bit. The rim of a curved patch is a feature curve, also where
+/// a patch that is kept begins: the first faces of that one follow the rim, a planar one within its plane. An edge
+/// where more than two curved faces meet takes the mean of what the faces ask for.
 ///
 /// Nothing depends on the unit or the place of the mesh. The result is the same, bit by bit, for any number of threads.
 ///
