@@ -69,7 +69,8 @@ void must_read_or_refuse(const Read& read, bool may_quote = false)
     const std::string_view message = error.what();
     if (std::getenv("RECURVE_FUZZ_VERBOSE") != nullptr)
       std::cerr << message << '\n';
-    if (message.find("memory") != std::string_view::npos ||
+    const bool is_out_of_memory = message.find(": takes more memory than there is") == message.find(": ");
+    if ((is_out_of_memory && message.find(": ") != std::string_view::npos) ||
         (!may_quote && message.find('\n') != std::string_view::npos))
     {
       std::cerr << message << '\n';

@@ -106,6 +106,25 @@ class Sample:
         if self.largest_error > TOLERANCE:
             self.faults.append(f"{self.name} of degree {self.degree}: off by {self.largest_error:.1e}")
 
+    def check_surface(self, path):
+        """the faces as p^2 straight pieces each, with the number of their patch"""
+        is_vtp = path.suffix == ".vtp"
+        reader = vtk.vtkXMLPolyDataReader() if is_vtp else vtk.vtkPLYReader()
+        reader.SetFileName(str(path))
+        reader.Update()
+        surface, faces = reader.GetOutput(), FACES[self.name]
+        self.expect(surface.GetNumberOfPolys(), len(faces) * self.degree ** 2, f"pieces in {path.name}")
+        if not is_vtp or self.faults:
+            return
+        patches = surface.GetCellData().GetArray("patch")
+        names = surface.GetFieldData().GetAbstractArray("patch_names")
+        self.expect(names.GetValue(len(faces) - 1), f"face {len(faces) - 1}", "patch_names")
+        self.expect([patches.GetTuple1(c) for c in range(patches.GetNumberOfTuples())],
+                    [f for f in range(len(faces)) for _ in range(self.degree ** 2)], "patch of pieces")
+        positions = {self.grid.GetPoint(m) for m in range(self.grid.GetNumberOfPoints())}
+        self.expect([surface.GetPoint(m) in positions for m in range(surface.GetNumberOfPoints())],
+                    [True] * surface.GetNumberOfPoints(), "points of the surface are nodes")
+
     def check_point(self, cell, parametric, xi):
         found = location(self.grid.GetCell(cell), parametric)
         self.largest_error = max(self.largest_error, distance(found, polynomial_map(self.degree, xi)))
@@ -139,6 +158,8 @@ def main():
         for degree in range(1, 7):
             sample = Sample(folder, name, degree)
             sample.check()
+            for suffix in (".vtp", ".ply"):
+                sample.check_surface(folder / f"{name}_{degree}{suffix}")
             print(f"{name:12} degree {degree}: largest error {sample.largest_error:.1e}")
             faults += sample.faults
     print("\n".join(faults))

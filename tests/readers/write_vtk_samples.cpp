@@ -1,6 +1,8 @@
-// Writes one curved cell of each type and degree as VTU into the folder given: what vtk_reader_test.py reads back.
+// Writes one curved cell of each type and degree as VTU, VTP and PLY into the folder given: what vtk_reader_test.py
+// reads back.
 #include "io/single_cell_mesh.h"
 
+#include <recurve/io/surface_files.h>
 #include <recurve/io/vtk.h>
 
 #include <exception>
@@ -18,8 +20,13 @@ try
   std::filesystem::create_directories(folder);
   for (Element_type type : all_element_types)
     for (int degree = 1; degree <= max_degree && reference_element(type).dimension == 3; ++degree)
-      write_vtu(test::single_cell_mesh(type, degree),
-                folder / (std::string(element_name(type)) + "_" + std::to_string(degree) + ".vtu"), {{"seven", {7.0}}});
+    {
+      const Curved_mesh mesh = test::single_cell_mesh(type, degree);
+      const std::string name = std::string(element_name(type)) + "_" + std::to_string(degree);
+      write_vtu(mesh, folder / (name + ".vtu"), {{"seven", {7.0}}});
+      write_vtp(mesh, folder / (name + ".vtp"));
+      write_ply(mesh, folder / (name + ".ply"));
+    }
 }
 catch (const std::exception& error)
 {

@@ -209,9 +209,10 @@ private:
     };
     const int first = place(images.nodes[0]);
     if (place(images.nodes[1]) != (first + other.count - 1) % other.count)
-      throw Input_error(fmt::format("two cells are on the same side of their common face with corners {}: they overlap or one "
-                                    "of them is inside out",
-                                    corner_text(a)));
+      throw Input_error(
+        fmt::format("two cells are on the same side of their common face with corners {}: they overlap or one "
+                    "of them is inside out",
+                    corner_text(a)));
     const auto set = [](Side& own, Entry neighbor, int flip) {
       own.neighbor = static_cast<std::int32_t>(neighbor / 8 + 1);
       own.neighbor_side = static_cast<std::int8_t>(neighbor % 8 + 1);

@@ -20,7 +20,8 @@ bool is_space(char character)
   return character == ' ' || (character >= '\t' && character <= '\r');
 }
 
-/// text of a file as it may stand in a message.
+} // namespace
+
 std::string printable(std::string_view text)
 {
   std::string result(text.substr(0, 40));
@@ -30,10 +31,8 @@ std::string printable(std::string_view text)
   return result;
 }
 
-} // namespace
-
 Input_file::Input_file(const std::filesystem::path& file, const Progress_callback& progress)
-  : path_(file), progress_(progress), file_(std::fopen(file.c_str(), "rb"), std::fclose), buffer_(buffer_bytes)
+  : path_(file), progress_(progress), file_(std::fopen(file.c_str(), "rb"), std::fclose)
 {
   if (!file_)
     throw Format_error(fmt::format("{}: cannot be opened: {}", file.string(), std::strerror(errno)));
@@ -42,6 +41,7 @@ Input_file::Input_file(const std::filesystem::path& file, const Progress_callbac
   size_ = std::filesystem::file_size(file, error);
   if (error)
     throw Format_error(fmt::format("{}: its size is not known: {}", file.string(), error.message()));
+  buffer_.resize(std::clamp<std::size_t>(size_ + 1, 2 * longest_word, buffer_bytes)); // small for small files
 }
 
 void Input_file::check_count(std::uint64_t count, std::uint64_t bytes, std::string_view what) const

@@ -19,6 +19,9 @@
 
 namespace recurve::internal {
 
+/// text of a file as it may stand in a message: its beginning, what is no ASCII as question marks.
+std::string printable(std::string_view text);
+
 /// A file that is read from front to back, as text or as binary numbers of either byte order. Every function throws
 /// `Format_error`, whose message names the file and the place, when the file ends too early or holds something else.
 class Input_file

@@ -33,7 +33,7 @@ Mesh_format msh_format()
           .extensions = {".msh"},
           .largest_degree_read = max_degree,
           .largest_degree_written = max_degree,
-          .content = {Mesh_content::zones, Mesh_content::periodicity},
+          .content = {Mesh_content::cells, Mesh_content::zones, Mesh_content::periodicity},
           .shortened = "names beyond 127 bytes",
           .versions = "2.2 and 4.1, binary and ASCII",
           .readers = "Gmsh, PyFR and PyHOPE (4.1), MFEM (2.2), Nektar++",
@@ -49,7 +49,7 @@ Mesh_format vtu_format()
           .extensions = {".vtu"},
           .largest_degree_read = max_degree,
           .largest_degree_written = max_degree,
-          .content = {Mesh_content::zones},
+          .content = {Mesh_content::cells, Mesh_content::zones},
           .shortened = "",
           .versions = "2.2, Lagrange cells of VTK 9.1; only our own are read",
           .readers = "ParaView, VisIt, PyVista",
@@ -93,13 +93,31 @@ Mesh_format hopr_format()
           .extensions = {".h5"},
           .largest_degree_read = max_degree,
           .largest_degree_written = max_degree,
-          .content = {Mesh_content::zones, Mesh_content::periodicity},
+          .content = {Mesh_content::cells, Mesh_content::zones, Mesh_content::periodicity},
           .shortened = "names beyond 255 bytes",
           .versions = "HDF5, 1.0",
           .readers = "PyHOPE; FLEXI (hexahedra)",
           .read = read_hopr,
           .write = [](const Curved_mesh& mesh, const fs::path& file, const std::vector<Cell_field>&,
                       const Write_options&, const Progress_callback& progress) { write_hopr(mesh, file, progress); }};
+}
+
+using Surface_writer = void (*)(const Curved_mesh&, const fs::path&, const Progress_callback&);
+
+Mesh_format surface_format(const char* name, const char* extension, const char* versions, const char* readers,
+                           Surface_writer writer)
+{
+  return {.name = name,
+          .extensions = {extension},
+          .largest_degree_read = 0,
+          .largest_degree_written = max_degree,
+          .content = {},
+          .shortened = "curves of faces: each is p^2 straight pieces",
+          .versions = versions,
+          .readers = readers,
+          .read = {},
+          .write = [writer](const Curved_mesh& mesh, const fs::path& file, const std::vector<Cell_field>&,
+                            const Write_options&, const Progress_callback& progress) { writer(mesh, file, progress); }};
 }
 
 bool is_said(const std::string& kind)
@@ -117,8 +135,16 @@ bool any_of(const Items& items, const Predicate& predicate)
 
 const std::vector<Mesh_format>& mesh_formats()
 {
-  static const std::vector<Mesh_format> formats = {cgns_format(), msh_format(), hopr_format(),
-                                                   vtu_format(),  su2_format(), ugrid_format()};
+  static const std::vector<Mesh_format> formats = {
+    cgns_format(),
+    msh_format(),
+    hopr_format(),
+    vtu_format(),
+    su2_format(),
+    ugrid_format(),
+    surface_format("VTP", ".vtp", "2.2", "ParaView, VisIt, PyVista", write_vtp),
+    surface_format("PLY", ".ply", "1.0, binary", "MeshLab, CGAL", write_ply),
+    surface_format("OFF", ".off", "text", "Geomview, CGAL", write_off)};
   return formats;
 }
 
@@ -126,6 +152,7 @@ std::string_view content_name(Mesh_content content)
 {
   switch (content)
   {
+  case Mesh_content::cells: return "cells";
   case Mesh_content::zones: return "zones";
   case Mesh_content::bars: return "bars";
   case Mesh_content::families: return "families";
@@ -143,6 +170,7 @@ bool has_content(const Curved_mesh& mesh, Mesh_content content)
   const Volume_mesh& linear = mesh.linear;
   switch (content)
   {
+  case Mesh_content::cells: return mesh.cell_count() > 0;
   case Mesh_content::zones: return linear.zones.size() > 1;
   case Mesh_content::bars: return any_of(linear.zones, [](const Zone& zone) { return !zone.bars.empty(); });
   case Mesh_content::families: return !linear.families.empty();

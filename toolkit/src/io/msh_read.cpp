@@ -107,7 +107,7 @@ void read_names(Msh_reading& reading)
 void skip_section(Input_file& in, const std::string& section)
 {
   if (!in.skip_behind("$End" + section))
-    in.fail(fmt::format("ends inside ${}", section));
+    in.fail(fmt::format("ends inside ${}", printable(section)));
 }
 
 void read_section(Msh_reading& reading, const std::string& section)
@@ -153,7 +153,7 @@ Zonal_mesh read_file(const std::filesystem::path& file, Read_report* report, con
     else if (has_format || section == "Comments")
       read_section(reading, section);
     else
-      in.fail_in_text(fmt::format("${} before $MeshFormat", section));
+      in.fail_in_text(fmt::format("${} before $MeshFormat", printable(section)));
   }
   if (!has_format)
     in.fail("has no $MeshFormat");

@@ -75,7 +75,7 @@ public:
       std::from_chars(word.data() + (word.starts_with('+') ? 1 : 0), word.data() + word.size(), value);
     if (error != std::errc() || end != word.data() + word.size())
       in_.fail(word.empty() ? fmt::format("ends where {} is expected", what)
-                            : fmt::format("'{}' where {} is expected", word.substr(0, 40), what));
+                            : fmt::format("'{}' where {} is expected", internal::printable(word), what));
     rest_.remove_prefix(word.size());
     return value;
   }
@@ -193,7 +193,7 @@ private:
       Index& node = group.nodes[m];
       if (node < 0 || node >= count - first_node_)
         in_.fail(fmt::format("{} {} of {}: node {} is number {}, outside 0..{}", element_name(group.type),
-                             m / width + 1, group.name.empty() ? "NELEM" : group.name, m % width + 1, node,
+                             m / width + 1, internal::printable(group.name), m % width + 1, node,
                              count - first_node_ - 1));
       node += first_node_;
     }
@@ -292,7 +292,7 @@ private:
     for (Index m = 0; m < count; ++m)
     {
       if (!read_line())
-        in_.fail(fmt::format("ends after {} of {} elements of marker '{}'", m, count, marker_));
+        in_.fail(fmt::format("ends after {} of {} elements of marker '{}'", m, count, internal::printable(marker_)));
       Line_numbers numbers(in_, line_);
       const Su2_type type = read_type(numbers, 2);
       const auto [entry, is_new] = groups.try_emplace(type.type, mesh_.faces.size());

@@ -129,7 +129,7 @@ private:
     const auto offset = number_of<std::uint64_t>(attribute(line, "offset"));
     const auto components = number_of<Index>(attribute(line, "NumberOfComponents"));
     if (!offset || !components || attribute(line, "format") != "appended")
-      in_.fail(fmt::format("array {} is not among the appended data", name));
+      in_.fail(fmt::format("array {} is not among the appended data", internal::printable(name)));
     arrays_.push_back({name, std::string(attribute(line, "type")), *offset, *components});
   }
 
@@ -172,10 +172,10 @@ private:
     {
       const std::uint64_t done = in_.offset() - start_;
       if (array.offset < done)
-        in_.fail(fmt::format("array {} overlaps another", array.name));
+        in_.fail(fmt::format("array {} overlaps another", internal::printable(array.name)));
       in_.skip_bytes(array.offset - done);
       const auto bytes = in_.read<std::uint64_t>();
-      in_.check_count(bytes, 1, fmt::format("bytes of array {}", array.name));
+      in_.check_count(bytes, 1, fmt::format("bytes of array {}", internal::printable(array.name)));
       if (array.name == "Points")
         read_points(array, bytes);
       else if (array.name == "connectivity" || array.name == "offsets" || array.name == "pyramid_nodes")
@@ -193,7 +193,7 @@ private:
   std::vector<Number> read_numbers(const Appended_array& array, std::uint64_t bytes, std::string_view type)
   {
     if (array.type != type || array.components != 1 || bytes % sizeof(Number) != 0)
-      in_.fail(fmt::format("array {} does not consist of {}", array.name, type));
+      in_.fail(fmt::format("array {} does not consist of {}", internal::printable(array.name), type));
     std::vector<Number> values(bytes / sizeof(Number));
     for (Number& value : values)
       value = in_.read<Number>();

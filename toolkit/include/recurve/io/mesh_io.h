@@ -7,6 +7,7 @@
 #include <recurve/io/hopr.h>
 #include <recurve/io/pending_file.h>
 #include <recurve/io/su2.h>
+#include <recurve/io/surface_files.h>
 #include <recurve/io/ugrid.h>
 #include <recurve/io/vtk.h>
 #include <recurve/io/zonal_mesh.h>
@@ -31,6 +32,7 @@ struct Write_options
 /// What a mesh may say beyond nodes, elements, patches and their names, and what not every format holds.
 enum class Mesh_content : std::uint8_t
 {
+  cells,       ///< the volume: surface formats hold the faces of patches only
   zones,       ///< more than one, with names
   bars,        ///< lines
   families,    ///< groups of patches and zones
@@ -41,9 +43,10 @@ enum class Mesh_content : std::uint8_t
   descriptors ///< free texts
 };
 
-inline constexpr std::array<Mesh_content, 8> all_mesh_content = {
-  Mesh_content::zones,       Mesh_content::bars,        Mesh_content::families, Mesh_content::kinds,
-  Mesh_content::connections, Mesh_content::periodicity, Mesh_content::units,    Mesh_content::descriptors};
+inline constexpr std::array<Mesh_content, 9> all_mesh_content = {
+  Mesh_content::cells,       Mesh_content::zones, Mesh_content::bars,
+  Mesh_content::families,    Mesh_content::kinds, Mesh_content::connections,
+  Mesh_content::periodicity, Mesh_content::units, Mesh_content::descriptors};
 
 /// "zones", "kinds of boundary conditions", ...
 std::string_view content_name(Mesh_content content);
