@@ -26,8 +26,8 @@ struct Restoration_nodes
   /// boundary.
   std::span<const std::array<Index, 2>> linked = {};
 
-  /// Result, one per node or empty: the entry of `curving_factors` that the node ended with.
-  std::span<std::uint8_t> levels = {};
+  /// Result, one per node or empty: the share of its displacement that the node has kept, from 0 to 1.
+  std::span<double> factors = {};
 };
 
 /// makes every cell of a curved mesh certified valid whose straight-sided cell is, by giving up as little curvature as
@@ -69,11 +69,11 @@ Restoration_report restore_validity(Points&& nodes, const Straight& straight, co
   for (const auto& block : blocks)
     views.push_back({block.type, std::span<const Index>(block.nodes)});
   internal::check_restoration(views, degree, std::ranges::size(nodes), std::ranges::size(straight), about.roles.size(),
-                              about.levels.size(), about.linked, options);
+                              about.factors.size(), about.linked, options);
   internal::Restoration restoration(nodes, straight, views, degree, about.roles, about.linked, options, visit);
   Restoration_report report = restoration.run();
-  if (!about.levels.empty())
-    std::ranges::copy(restoration.levels(), about.levels.begin());
+  for (std::size_t n = 0; n < about.factors.size(); ++n)
+    about.factors[n] = restoration.factor(static_cast<Index>(n));
   return report;
 }
 
