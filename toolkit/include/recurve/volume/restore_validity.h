@@ -42,7 +42,8 @@ struct Restoration_nodes
 ///    all. All failing cells decide from the same state, the smallest factor asked for counts, and then every cell that
 ///    shares a node is certified anew. Factors never grow, and a cell whose factors are all 0 is the straight-sided
 ///    one: so it ends.
-/// 5. Factors fade out over some layers; then 4 again.
+/// 5. Reductions fade out over some layers; then 4 again. Where this does not come to rest soon (in layers thinner than
+///    the displacement), it is undone, and displacements are scaled smoothly around failing cells instead.
 /// 6. All cells are certified, with nothing taken over from before.
 ///
 /// A node shared by cells, or by zones, stays shared; one that has not been displaced stays where it is, to the bit;
