@@ -139,7 +139,18 @@ private:
     }
   }
 
-  /// whether the cell would be certified with its nodes at `position(node)`.
+  /// Effort for a cell that is only being considered: one that takes more is not worth having, and the certificate has
+  /// the last word anyway.
+  Jacobian_options quick_options() const
+  {
+    constexpr int few_parts = 500, few_exact_parts = 8;
+    Jacobian_options options = options_.jacobian;
+    options.max_parts = std::min(options.max_parts, few_parts);
+    options.max_exact_parts = std::min(options.max_exact_parts, few_exact_parts);
+    return options;
+  }
+
+  /// whether the cell would be certified, without much effort, with its nodes at `position(node)`.
   template <class Position>
   bool is_valid(Block_element cell, const Position& position) const
   {
@@ -154,7 +165,7 @@ private:
     const Element_type type = cells_.type(cell);
     const auto bounds = [&](int degree) {
       return bound_jacobian(type, degree, std::span(points).first(static_cast<std::size_t>(node_count(type, degree))),
-                            options_.jacobian);
+                            quick_options());
     };
     if (is_straight)
     {
