@@ -258,7 +258,7 @@ private:
   /// displacement that makes the neighbours fail in turn, and so on: then nothing is done. Returns whether it was.
   bool reduce_nearby(const std::vector<Block_element>& failing)
   {
-    constexpr Index few = 4;
+    constexpr Index few = 8; // rounds; a reduction that stays local needs fewer
     const std::vector<std::uint8_t> before(levels_.levels().begin(), levels_.levels().end());
     if (reduce(failing, few))
     {
