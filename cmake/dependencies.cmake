@@ -16,6 +16,7 @@ recurve_find_package(fmt 9)
 recurve_find_package(nlohmann_json 3.11)
 recurve_find_package(tomlplusplus 3.3)
 recurve_find_package(CGNS 3.4)
+recurve_find_package(HDF5Serial)
 
 # What else programs, generators and tests need.
 if(RECURVE_BUILD_APPS)

@@ -1,7 +1,7 @@
 #include <generate/cylinder_layer.h>
 
+#include <generate/layers.h>
 #include <generate/mesh_builder.h>
-#include <recurve/core/exceptions.h>
 
 #include <array>
 #include <cmath>
@@ -9,37 +9,9 @@
 
 namespace recurve::generate {
 
-namespace {
-
-/// distance from the wall after `layer` of `layers` layers that grow by `growth` from `first`.
-double height(double first, double growth, int layer)
-{
-  double sum = 0;
-  for (int k = 0; k < layer; ++k)
-    sum = growth * sum + first;
-  return sum;
-}
-
-/// the growth with which the layers fill the whole height, by bisection.
-double growth_of(const Cylinder_mesh_options& options)
-{
-  const double whole = options.far_radius - options.radius;
-  if (options.first_layer * options.layers > whole)
-    throw Input_error("the layers are too thick for the space around the cylinder");
-  double low = 1, high = 10;
-  for (int step = 0; step < 100; ++step)
-  {
-    const double middle = 0.5 * (low + high);
-    (height(options.first_layer, middle, options.layers) < whole ? low : high) = middle;
-  }
-  return low;
-}
-
-} // namespace
-
 Volume_mesh cylinder_layer(const Cylinder_mesh_options& options)
 {
-  const double growth = growth_of(options);
+  const double growth = layer_growth(options.first_layer, options.far_radius - options.radius, options.layers);
   Mesh_builder builder("cylinder");
   builder.set_patch_kind("cylinder", "BCWall");
   builder.set_patch_kind("farfield", "BCFarfield");
@@ -50,8 +22,8 @@ Volume_mesh cylinder_layer(const Cylinder_mesh_options& options)
       for (int around = 0; around < options.around; ++around)
       {
         const double angle = 2 * std::numbers::pi * around / options.around;
-        const double r =
-          layer == options.layers ? options.far_radius : options.radius + height(options.first_layer, growth, layer);
+        const double r = layer == options.layers ? options.far_radius
+                                                 : options.radius + layer_height(options.first_layer, growth, layer);
         builder.add_point({r * std::cos(angle), r * std::sin(angle), options.length * k / options.along});
       }
 
@@ -70,15 +42,29 @@ Volume_mesh cylinder_layer(const Cylinder_mesh_options& options)
                                         number(a, layer + 1, k + 1),
                                         number(a + 1, layer + 1, k + 1),
                                         number(a + 1, layer, k + 1)};
-        builder.add_cell(Element_type::hexahedron, c);
+        // A face of the cell, or the two triangles that prisms make of it. Prisms stand on the wall.
+        const auto add_face = [&](const char* patch, std::array<int, 4> f, bool is_split) {
+          if (!is_split)
+            builder.add_face(patch, std::array{c[f[0]], c[f[1]], c[f[2]], c[f[3]]});
+          else
+            for (const auto& t : {std::array{f[0], f[1], f[2]}, std::array{f[0], f[2], f[3]}})
+              builder.add_face(patch, std::array{c[t[0]], c[t[1]], c[t[2]]});
+        };
+        if (options.has_prisms)
+        {
+          builder.add_cell(Element_type::prism, std::array{c[0], c[3], c[7], c[1], c[2], c[6]});
+          builder.add_cell(Element_type::prism, std::array{c[0], c[7], c[4], c[1], c[6], c[5]});
+        }
+        else
+          builder.add_cell(Element_type::hexahedron, c);
         if (layer == 0)
-          builder.add_face("cylinder", std::array{c[0], c[3], c[7], c[4]});
+          add_face("cylinder", {0, 3, 7, 4}, options.has_prisms);
         if (layer == options.layers - 1)
-          builder.add_face("farfield", std::array{c[1], c[2], c[6], c[5]});
+          add_face("farfield", {1, 2, 6, 5}, options.has_prisms);
         if (k == 0)
-          builder.add_face("z_low", std::array{c[0], c[1], c[2], c[3]});
+          add_face("z_low", {0, 1, 2, 3}, false);
         if (k == options.along - 1)
-          builder.add_face("z_high", std::array{c[4], c[5], c[6], c[7]});
+          add_face("z_high", {4, 5, 6, 7}, false);
       }
   return builder.build();
 }

@@ -1,5 +1,6 @@
 #include <generate/sphere_in_box.h>
 
+#include <generate/layers.h>
 #include <generate/mesh_builder.h>
 #include <generate/tetrahedra.h>
 
@@ -69,8 +70,10 @@ Point on_sphere(const Point& direction, double radius)
 class Shells
 {
 public:
-  explicit Shells(const Sphere_mesh_options& options) : options_(options)
+  explicit Shells(const Sphere_mesh_options& options) : options_(options), growth_(options.growth)
   {
+    if (options.first_layer > 0)
+      growth_ = layer_growth(options.first_layer, options.half_side - options.radius, options.layers);
     builder_.set_patch_kind("sphere", "BCWall");
     builder_.set_patch_kind("box", "BCFarfield");
     for (const Cube_quad& quad : cube_quads(options.segments))
@@ -93,7 +96,7 @@ private:
   {
     const Point outer = cube_point(lattice, options_.segments);
     const Point inner = on_sphere(outer, options_.radius);
-    const double way = (std::pow(options_.growth, layer) - 1) / (std::pow(options_.growth, options_.layers) - 1);
+    const double way = (std::pow(growth_, layer) - 1) / (std::pow(growth_, options_.layers) - 1);
     Point point;
     for (int i = 0; i < 3; ++i)
     {
@@ -192,6 +195,7 @@ private:
   }
 
   const Sphere_mesh_options& options_;
+  double growth_;
   Mesh_builder builder_{"sphere"};
   std::vector<Point> points_;
   std::map<std::pair<Lattice, int>, Index> number_;

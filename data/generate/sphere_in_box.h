@@ -19,11 +19,13 @@ struct Sphere_mesh_options
 {
   Sphere_cells cells = Sphere_cells::hexahedra;
   double radius = 0.5;
-  double half_side = 2;           ///< of the box
-  int segments = 6;               ///< along each edge of the six blocks of the cubed sphere, and of the box
-  int layers = 6;                 ///< of cells between sphere and box; not for tetrahedra
-  double growth = 1.3;            ///< of the thickness from a layer to the next; not for tetrahedra
-  int subdivisions = 2;           ///< of the icosahedron: 20 * 4^subdivisions triangles; only for tetrahedra
+  double half_side = 2;   ///< of the box
+  int segments = 6;       ///< along each edge of the six blocks of the cubed sphere, and of the box
+  int layers = 6;         ///< of cells between sphere and box; not for tetrahedra
+  double growth = 1.3;    ///< of the thickness from a layer to the next; not for tetrahedra
+  double first_layer = 0; ///< height of the cells at the sphere, above the middles of the blocks; the others grow
+                          ///< geometrically, whatever `growth` says. 0: by `growth`
+  int subdivisions = 2;   ///< of the icosahedron: 20 * 4^subdivisions triangles; only for tetrahedra
   double radius_edge_ratio = 1.6; ///< see fill_with_tetrahedra()
 };
 

@@ -22,6 +22,15 @@ RECURVE, WRITE_SAMPLES, FOLDER = None, None, None
 
 DONE, USAGE, BAD_INPUT, UNCERTIFIED, INTERRUPTED = 0, 1, 2, 3, 130
 
+WING = Path(__file__).resolve().parents[2] / "data" / "wing_tetrahedra.cgns"
+
+# Options of the detection with values other than the defaults, in the right order among themselves.
+THRESHOLDS = {"--weak-angle": 12.5, "--end-angle": 26, "--strong-angle": 51, "--strong-edges": 6, "--sharp-angle": 66,
+              "--acute-angle": 91.5, "--corner-defect": 61, "--turning-angle": 45, "--ridge-deviation": 21,
+              "--ridge-ratio": 0.6, "--smooth-angle": 41, "--smooth-contrast": 2.5, "--crease-contrast": 3.5}
+SWITCHES = {"--no-border-ends": ("border_ends", False), "--no-reject-smooth": ("reject_smooth", False),
+            "--patch-edges": ("patch_edges", True), "--smooth-patches": ("smooth_patches", True)}
+
 
 def recurve(*arguments, **options):
     return subprocess.run([RECURVE, *map(str, arguments)], capture_output=True, text=True, timeout=300, **options)
@@ -177,6 +186,30 @@ class Command_line(unittest.TestCase):
         # A quarter turn of the sphere in four edges: the straight edges' middles are up to 0.019 inside the sphere.
         self.assertGreater(radius.min(), 1 - 0.002)
 
+    def test_interior(self):
+        picture = self.folder / "jacobians.svg"
+        run = recurve("curve", self.mesh, self.out, "--report", self.report, "--histogram", picture)
+        self.assertEqual(run.returncode, DONE, run.stderr)
+        report = json.loads(self.report.read_text())
+        self.assertEqual([s["stage"] for s in report["jacobians"]], ["straight", "curved", "deformed"])
+        self.assertEqual(report["jacobians"][2]["valid"], report["cells"]["total"])
+        self.assertGreater(report["deformation"]["moved_nodes"], 0)
+        self.assertTrue(picture.read_text().startswith("<svg"))
+        self.assertIn("0 cells inverted", run.stdout)
+        run = recurve("curve", self.mesh, self.out, "--report", self.report, "--no-deform", "--area-weights",
+                      "--influence-radius", "2", "--deform-error", "1e-3")
+        self.assertEqual(run.returncode, DONE, run.stderr)
+        report = json.loads(self.report.read_text())
+        self.assertIsNone(report["deformation"])
+        self.assertEqual(report["options"]["deformation"]["influence_radius"], 2)
+        for arguments in (["--histogram", "picture.png"], ["--histogram", self.report], ["--periodic", "sphere"],
+                          ["--periodic", "a,b,c"], ["--influence-radius", "0"], ["--deform-error", "2"]):
+            run = recurve("curve", self.mesh, self.out, "--report", self.report, *arguments)
+            self.assertEqual(run.returncode, USAGE, arguments)
+        run = recurve("curve", self.mesh, self.out, "--periodic", "sphere,nowhere")
+        self.assertEqual(run.returncode, BAD_INPUT)
+        self.assertIn("nowhere", run.stderr)
+
     def test_quiet(self):
         run = recurve("curve", self.mesh, self.out, "--quiet")
         self.assertEqual((run.returncode, run.stdout, run.stderr), (DONE, "", ""))
@@ -260,7 +293,162 @@ class Command_line(unittest.TestCase):
         edits.write_text('start = "auto"\n[[edit]]\naction = "remove"\nbox = [[-3, -3, -3], [3, 3, 0]]\n')
         self.assertIn("24 critical edges", recurve("features", self.mesh, "--features", edits).stdout.split("\n")[0])
 
+    def test_thresholds_of_the_detection(self):
+        for command in ("curve", "features"):
+            text = recurve(command, "--help").stdout
+            for option in (*THRESHOLDS, *SWITCHES, "--feature-angle"):
+                self.assertIn(option, text)
+
+        def found(*arguments):
+            run = recurve("curve", self.mesh, self.out, "--report", self.report, *arguments)
+            self.assertEqual(run.returncode, DONE, run.stderr)
+            return json.loads(self.report.read_text())["options"]["features"]
+
+        defaults = found()
+        given = found(*(word for option in THRESHOLDS.items() for word in option), *SWITCHES)
+        expected = {option[2:].replace("-", "_"): value for option, value in THRESHOLDS.items()}
+        expected |= dict(SWITCHES.values())
+        for field, value in expected.items():
+            self.assertEqual(given[field], value)
+            self.assertNotEqual(defaults[field], value)
+        # Nothing but the method and its angle has no option of its own.
+        self.assertEqual(set(defaults) - set(expected), {"method", "dihedral_angle"})
+        angle = found("--feature-angle", 44)
+        self.assertEqual((angle["method"], angle["dihedral_angle"]), ("dihedral", 44))
+        # Each option counts alone.
+        for option in SWITCHES:
+            self.assertEqual({k for k, v in found(option).items() if v != defaults[k]}, {SWITCHES[option][0]})
+        self.assertEqual(found("--weak-angle", 20)["weak_angle"], 20)
+
+    def test_thresholds_that_cannot_be(self):
+        for arguments, words in ((["--weak-angle", 30], ("weak_angle", "end_angle", "30", "25")),
+                                 (["--end-angle", 70], ("end_angle", "sharp_angle")),
+                                 (["--turning-angle", 39], ("turning_angle", "twice ridge_deviation")),
+                                 (["--feature-angle", 181], ("dihedral_angle", "180")),
+                                 (["--corner-defect", "nan"], ("corner_defect",)),
+                                 (["--strong-edges", "many"], ("--strong-edges",)),
+                                 (["--features", "none", "--sharp-angle", 70], ("--sharp-angle", "no effect")),
+                                 (["--feature-angle", 20, "--weak-angle", 5], ("--weak-angle", "no effect"))):
+            self.assert_refuses(USAGE, *words, arguments=arguments)
+            self.assert_fails(recurve("features", self.mesh, *arguments), USAGE, *words)
+        edits = self.folder / "edges.toml"
+        edits.write_text('start = "none"\n')
+        self.assert_refuses(USAGE, "edges.toml", 'start = "none"', "--feature-angle", "no effect",
+                            arguments=["--features", edits, "--feature-angle", 20])
+        self.assertEqual(recurve("features", self.mesh, "--features", edits, "--turning-angle", 50).returncode, DONE)
+
+    def list_wing(self, *arguments):
+        run = recurve("features", WING, "--json", *arguments)
+        self.assertEqual((run.returncode, run.stderr), (DONE, ""))
+        return json.loads(run.stdout)
+
+    def test_patches_as_evidence(self):
+        # 32 edges at the trailing edge, around the wing at its root and its tip, and around the far field.
+        self.assertEqual(self.list_wing()["critical_edges"], 4 * 32)
+        # The patches of the wing meet at the leading edge too, smoothly.
+        pinned = self.list_wing("--patch-edges")
+        self.assertEqual(pinned["critical_edges"], 5 * 32)
+        self.assertIn([[0, 0, 0], [0.5, 1.5, 0]],
+                      [sorted([curve["first_point"], curve["last_point"]]) for curve in pinned["curves"]])
+        self.assertEqual(self.list_wing("--feature-angle", 5, "--smooth-patches")["critical_edges"], 5 * 32)
+        self.assertGreater(self.list_wing("--feature-angle", 5)["critical_edges"], 10 * 32)
+
+    def test_report_of_features(self):
+        report = self.list_wing()
+        ends = [(curve["closed"], curve["first_end"], curve["last_end"], curve["edges"]) for curve in report["curves"]]
+        self.assertEqual(sorted(ends), sorted([(False, "corner", "corner", 32)] * 3 + [(True, "none", "none", 32)]))
+        trailing = [curve for curve in report["curves"] if curve["first_point"] == [1, 0, 0] and
+                    numpy.allclose(curve["last_point"], [1.1, 1.5, 0])]
+        self.assertAlmostEqual(trailing[0]["length"], numpy.hypot(1.5, 0.1))
+        rejected = report["longest_rejected_curves"]
+        self.assertEqual(len(rejected), report["rejected_curves"])
+        for reason, count in report["rejected_edges"].items():
+            self.assertEqual(sum(curve["edges"] for curve in rejected if curve["reason"] == reason), count)
+        self.assertEqual([c["length"] for c in rejected], sorted((c["length"] for c in rejected), reverse=True))
+        self.assertTrue(any(c["closed"] for c in rejected))
+        text = recurve("features", WING).stdout
+        self.assertIn(f"{len(rejected)} candidate curves were not taken ({report['candidate_edges'] - 128} edges)", text)
+        self.assertRegex(text, r"\n  32 .*closed +smooth: ")
+        self.assertRegex(text, r"\n  1 +32 +1\.50333 +164\.6 +\(1, 0, 0\) +\(1\.1, 1\.5, 0\) +wing_lower, wing_upper\n")
+        self.assertEqual(trailing[0]["patches"], ["wing_lower", "wing_upper"])
+
+    def edited(self, text):
+        edits = self.folder / "edits.toml"
+        edits.write_text(text)
+        return self.list_wing("--features", edits)
+
+    def test_every_kind_of_edit(self):
+        leading = "[0, 0, 0], [0.5, 1.5, 0]"
+        start = 'start = "none"\n'
+        for kind in ("path", "crease"):
+            found = self.edited(f'{start}[[edit]]\naction = "add"\n{kind} = [{leading}]\n')
+            self.assertEqual([(c["edges"], c["last_point"]) for c in found["curves"]], [(32, [0.5, 1.5, 0])])
+            self.assertAlmostEqual(found["curves"][0]["length"], numpy.hypot(0.5, 1.5))
+        with h5py.File(WING) as file:
+            zone = next(name for name, group in file["Base"].items() if "GridCoordinates" in group)
+            points = numpy.stack([file[f"Base/{zone}/GridCoordinates/Coordinate{c}/ data"][:] for c in "XYZ"], axis=1)
+        on_edge = [n for n, (x, y, z) in enumerate(points) if z == 0 and 0 < y < 1.5 and abs(x - 1 - y / 15) < 1e-12]
+        self.assertEqual(len(on_edge), 31)
+        node = min(on_edge, key=lambda n: points[n][1])
+        edge = f'[[1, 0, 0], {{zone = "{zone}", node = {node}}}]'
+        one = self.edited(f'{start}[[edit]]\naction = "add"\nedges = [{edge}]\n')
+        self.assertEqual(one["critical_edges"], 1)
+        chain = self.edited(f'{start}[[edit]]\naction = "add"\nchain = {edge}\nangle = 100\n')
+        self.assertEqual([c["edges"] for c in chain["curves"]], [32])
+        tip = chain["curves"][0]["last_point"]  # as the file has it; 1.1 is not quite what it is
+        self.assertTrue(numpy.allclose(tip, [1.1, 1.5, 0]))
+        # Where a curve drawn by hand turns or meets another, the vertex is sharp.
+        met = self.edited(f'{start}[[edit]]\naction = "add"\nchain = {edge}\nangle = 100\n'
+                          f'[[edit]]\naction = "add"\npatches = ["wing_upper", "wing_tip"]\n'
+                          f'[[edit]]\naction = "add"\npatches = ["wing_tip", "wing_lower"]\n')
+        self.assertEqual((met["critical_edges"], met["sharp_vertices"]), (32 + 32, 1))
+        turned = self.edited(f'{start}turning_angle = 15\n[[edit]]\naction = "add"\n'
+                             'patches = ["wing_tip", "wing_upper"]\n[[edit]]\naction = "add"\n'
+                             'patches = ["wing_tip", "wing_lower"]\n')
+        self.assertEqual(turned["sharp_vertices"], 1)  # the trailing edge; the nose turns by 12 degrees a vertex
+        box = self.edited('[[edit]]\naction = "remove"\nbox = [[-9, -9, -9], [9, 0, 9]]\n')
+        self.assertEqual(box["critical_edges"], 2 * 32)
+        patches = self.edited('[[edit]]\naction = "remove"\npatches = ["symmetry"]\n')
+        self.assertEqual(patches["critical_edges"], 2 * 32)
+        inside = self.edited(f'{start}[[edit]]\naction = "add"\npatches = ["wing_tip", "wing_tip"]\n')
+        self.assertEqual(inside["critical_edges"], (3 * 30 - 32) // 2)  # of 30 triangles with 32 border edges
+        marked = self.edited('[[edit]]\naction = "mark"\nvertices = [[0, 0, 0]]\n'
+                             '[[edit]]\naction = "unmark"\nvertices = [' + json.dumps(tip) + ']\n')
+        self.assertEqual(marked["sharp_vertices"], 2)
+        typed = self.edited(f'{start}tolerance = 1e-3\n[[edit]]\naction = "add"\n'
+                            f'path = [[0, 1e-5, 0], [0.5, 1.5, -1e-4]]\n')
+        self.assertEqual(typed["critical_edges"], 32)
+
+    def test_edits_replay(self):
+        edits, again, tables = self.folder / "edits.toml", self.folder / "again.toml", []
+        edits.write_text('[[edit]]\naction = "add"\ncrease = [[0, 0, 0], [0.5, 1.5, 0]]\n'
+                         '[[edit]]\naction = "remove"\npatches = ["symmetry", "farfield"]\n'
+                         '[[edit]]\naction = "mark"\nvertices = [[0, 0, 0]]\n')
+        self.assertEqual(recurve("features", WING, "--features", edits, "-o", again).returncode, DONE)
+        for file in (edits, again):
+            for kind in ("csv", "vtp"):
+                tables.append(self.folder / f"{file.stem}.{kind}")
+                self.assertEqual(recurve("features", WING, "--features", file, "-o", tables[-1]).returncode, DONE)
+        self.assertEqual(tables[0].read_bytes(), tables[2].read_bytes())
+        self.assertEqual(tables[1].read_bytes(), tables[3].read_bytes())
+        self.assertEqual(len(tables[0].read_text().splitlines()), 1 + 4 * 32)
+
     # What does not.
+
+    def test_edits_that_cannot_be(self):
+        start = '[[edit]]\naction = "add"\n'
+        for text, words in (
+                (start + "edges = [[[1, 0, 0], [0, 0, 0]]]", ("line 1", "no edge between", "edges lead to")),
+                (start + "path = [[0, 0, 0.001], [0.5, 1.5, 0]]", ("no vertex at", "nearest", "[0, 0, 0]")),
+                (start + 'path = [{zone = "wings", node = 1}, [0, 0, 0]]', ('no zone "wings"', "zones are")),
+                (start + 'patches = ["wing_uper"]', ('no patch "wing_uper"', "wing_upper")),
+                (start + 'patches = ["wing_tip", "farfield"]', ("share no edge",)),
+                (start + "box = [[8, 8, 8], [9, 9, 9]]", ("no edge is inside",)),
+                ('[[edit]]\naction = "mark"\nvertices = [[0, 0, 0]]\n'
+                 '[[edit]]\naction = "unmark"\nvertices = [[0, 0, 0]]\n', ("line 4", "line 1", "unmarked"))):
+            edits = self.folder / "edits.toml"
+            edits.write_text(text)
+            self.assert_fails(recurve("features", WING, "--features", edits), BAD_INPUT, "edits.toml", *words)
 
     def test_feature_files_that_cannot_be(self):
         edits = self.folder / "edges.toml"

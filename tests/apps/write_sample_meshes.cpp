@@ -1,4 +1,5 @@
-// Writes the linear CGNS meshes that command_line_test.py feeds to the program into the folder given.
+// Writes the CGNS meshes that command_line_test.py and convert_test.py feed to the program into the folder given.
+#include "io/small_meshes.h"
 #include "support/sphere_shell.h"
 
 #include <recurve/io/cgns.h>
@@ -22,6 +23,16 @@ try
     const Joined_zones joined = join_zones(mesh);
     write_cgns(elevate(std::move(mesh), joined, 1), folder / name);
   };
+  Volume_mesh rich = test::two_zones(true);
+  const Joined_zones joined = join_zones(rich);
+  test::make_periodic(rich);
+  rich.families = {{"flow", ""}};
+  rich.units = {"Kilogram", "Meter", "Second", "Kelvin", "Radian"};
+  rich.descriptors = {{"author", "nobody"}};
+  rich.zones[0].patches[0].kind = "BCInflow";
+  Curved_mesh curved = elevate(std::move(rich), joined, 3);
+  test::bend(curved);
+  write_cgns(curved, folder / "curved_zones.cgns");
   write({4, 2, Element_type::hexahedron, test::Outer_shape::box}, "shell.cgns");
   write({24, 10, Element_type::tetrahedron, test::Outer_shape::sphere}, "large.cgns");
 }

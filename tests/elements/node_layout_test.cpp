@@ -120,10 +120,37 @@ TEST_CASE("CGNS's pyramids are those of the SIDS's figures")
   CHECK(quartic[54] == Lattice_point{1, 1, 2}); // N55
 }
 
+TEST_CASE("rows are the loops of HOPR's specification")
+{
+  const int degree = GENERATE(1, 2, 3, 4, 5, 6);
+  CAPTURE(degree);
+  Lattice hexahedron, prism, pyramid, tetrahedron;
+  for (int k = 0; k <= degree; ++k)
+    for (int j = 0; j <= degree; ++j)
+      for (int i = 0; i <= degree; ++i)
+        hexahedron.push_back({i, j, k});
+  for (int k = 0; k <= degree; ++k)
+    for (int j = 0; j <= degree; ++j)
+      for (int i = 0; i <= degree - j; ++i)
+        prism.push_back({i, j, k});
+  for (int k = 0; k <= degree; ++k)
+    for (int j = 0; j <= degree - k; ++j)
+      for (int i = 0; i <= degree - k; ++i)
+        pyramid.push_back({i, j, k});
+  for (int k = 0; k <= degree; ++k)
+    for (int j = 0; j <= degree - k; ++j)
+      for (int i = 0; i <= degree - j - k; ++i)
+        tetrahedron.push_back({i, j, k});
+  CHECK(ours(Node_order::rows, Element_type::hexahedron, degree) == hexahedron);
+  CHECK(ours(Node_order::rows, Element_type::prism, degree) == prism);
+  CHECK(ours(Node_order::rows, Element_type::pyramid, degree) == pyramid);
+  CHECK(ours(Node_order::rows, Element_type::tetrahedron, degree) == tetrahedron);
+}
+
 TEST_CASE("permutations to and from every foreign order undo each other")
 {
   const int degree = GENERATE(1, 2, 3, 4, 5, 6);
-  const Node_order order = GENERATE(Node_order::cgns, Node_order::gmsh, Node_order::vtk);
+  const Node_order order = GENERATE(Node_order::cgns, Node_order::gmsh, Node_order::vtk, Node_order::rows);
   for (Element_type type : all_element_types)
     if (has_node_order(order, type, degree))
     {

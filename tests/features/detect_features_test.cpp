@@ -185,6 +185,43 @@ TEST_CASE("detect_features: constrained edges are critical whatever the options"
   }
 }
 
+TEST_CASE("detect_features: what is known of patches decides what angles cannot")
+{
+  // Five sides of one cell each: a pentagonal bar, or a coarse cylinder if its side is one patch.
+  const Surface s = bar(regular_polygon(5), std::vector<int>(5, 1), 4, Split::same);
+  Flagged f(to_mesh(s));
+  auto patch = f.mesh.add_property_map<Mesh::Face_index, int>("f:patch").first;
+  for (const auto face : f.mesh.faces())
+  {
+    const auto [low, high] = std::minmax({f.mesh.point(f.mesh.source(f.mesh.halfedge(face))).z(),
+                                          f.mesh.point(f.mesh.target(f.mesh.halfedge(face))).z(),
+                                          f.mesh.point(f.mesh.target(f.mesh.next(f.mesh.halfedge(face)))).z()});
+    patch[face] = low == high ? static_cast<int>(low) : 2;
+  }
+  const auto params = CGAL::parameters::face_patch_map(patch);
+  CHECK(detect_features(f.mesh, f.critical, f.sharp, {}, params).critical_edges == 30);
+  for (const auto method : {Feature_method::classified, Feature_method::dihedral})
+    CHECK(
+      detect_features(f.mesh, f.critical, f.sharp, {.method = method, .smooth_patches = true}, params).critical_edges ==
+      10);
+  CHECK_THROWS_AS(detect_features(f.mesh, f.critical, f.sharp, {.smooth_patches = true}), Input_error);
+  CHECK_THROWS_AS(detect_features(f.mesh, f.critical, f.sharp, {.patch_edges = true}), Input_error);
+
+  // A plane of two patches has no feature inside, unless their common line is asked for.
+  Flagged sheet(to_mesh(rough_sheet(4, 0, Split::quads, 1)));
+  auto half = sheet.mesh.add_property_map<Mesh::Face_index, int>("f:patch").first;
+  for (const auto face : sheet.mesh.faces())
+    half[face] =
+      CGAL::to_double(sheet.mesh.point(sheet.mesh.source(sheet.mesh.halfedge(face))).x() +
+                      sheet.mesh.point(sheet.mesh.target(sheet.mesh.next(sheet.mesh.halfedge(face)))).x()) < 4;
+  const auto halves = CGAL::parameters::face_patch_map(half);
+  CHECK(detect_features(sheet.mesh, sheet.critical, sheet.sharp, {}, halves).critical_edges == 16);
+  const auto report = detect_features(sheet.mesh, sheet.critical, sheet.sharp, {.patch_edges = true}, halves);
+  CHECK(report.critical_edges == 20);
+  CHECK(report.pinned_edges == 20);
+  CHECK(report.sharp_vertices == 4 + 2);
+}
+
 TEST_CASE("detect_features: borders are curves, cut at their corners")
 {
   const auto d = detect(rough_sheet(4, 0, Split::quads, 1));

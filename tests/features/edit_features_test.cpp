@@ -330,6 +330,24 @@ TEST_CASE("apply_feature_edits: refuses what is not there or contradicts, and ch
   fails({{.kind = Kind::patches, .patches = {0, 1}}}, "face_patch_map");
   fails({{.kind = Kind::chain, .vertices = at({{0, 0, 0}, {1, 0, 0}}), .angle = 181}}, "angle");
   CHECK_THROWS_AS(s.apply({}, {.turning_angle = -1}), Input_error);
+  CHECK_THROWS_AS(s.apply({}, {.tolerance = -1}), Input_error);
+}
+
+TEST_CASE("apply_feature_edits: a position that was typed means the one vertex near it, if a tolerance says so")
+{
+  Surface surface = flat_sheet();
+  for (Point& p : surface.points)
+    p[2] += 1e-9;
+  const Mesh mesh = to_mesh(surface);
+  Flags s(mesh);
+  const Edits typed = {line({{1, 1, 0}, {2, 1.001, 0}})};
+  CHECK_THROWS_WITH(s.apply(typed), Contains("no vertex at [1, 1, 0]"));
+  CHECK_THROWS_WITH(s.apply(typed, {.tolerance = 1e-4}), Contains("no vertex at [2, 1.0009999999999999, 0]"));
+  CHECK_THROWS_WITH(s.apply(typed, {.tolerance = 2}),
+                    Contains("several vertices are within the tolerance of [1, 1, 0]"));
+  CHECK(s.critical().empty());
+  s.apply(typed, {.tolerance = 0.01});
+  CHECK(s.critical() == Edge_set{{{1, 1, 1e-9}, {2, 1, 1e-9}}});
 }
 
 namespace {

@@ -33,7 +33,7 @@ struct Findings
   std::vector<std::array<double, 6>> critical_edges;
   std::vector<std::array<double, 3>> sharp_vertices, critical_vertices;
   std::vector<std::vector<std::array<double, 3>>> curves;
-  std::vector<Index> region_sizes;
+  std::vector<Index> region_sizes, curve_sizes;
   bool operator==(const Findings&) const = default;
 };
 
@@ -72,7 +72,16 @@ Findings find(const Graph& g)
     if (get(vertex_is_critical, v))
       f.critical_vertices.push_back(point(v));
   }
-  for (const auto& curve : trace_feature_curves(g, critical, sharp))
+  const auto curves = trace_feature_curves(g, critical, sharp);
+  std::map<typename Traits::edge_descriptor, int> curve_numbers;
+  const boost::associative_property_map edge_curve(curve_numbers);
+  number_feature_curves(g, curves, edge_curve);
+  f.curve_sizes.assign(curves.size(), 0);
+  for (const auto e : CGAL::make_range(edges(g)))
+    if (get(edge_curve, e) >= 0)
+      ++f.curve_sizes[static_cast<std::size_t>(get(edge_curve, e))];
+  std::sort(f.curve_sizes.begin(), f.curve_sizes.end());
+  for (const auto& curve : curves)
   {
     auto& points = f.curves.emplace_back();
     for (const auto h : curve.halfedges)

@@ -72,6 +72,38 @@ TEST_CASE("cylinders: the rims, however coarse the round side")
     require_features("open " + std::to_string(n), [n](Split s) { return cylinder(n, 4, false, s); }, {0, 0});
 }
 
+TEST_CASE("bars: every seam between flat sides, however few the cells")
+{
+  for (const int n : {3, 4, 5, 6, 7})
+    for (const int cells : {2, 4})
+      for (const int rows : {1, 4})
+        require_features(std::to_string(n) + " sides of " + std::to_string(cells),
+                         [=](Split s) {
+                           return bar(regular_polygon(n), std::vector<int>(static_cast<std::size_t>(n), cells), rows,
+                                      s);
+                         },
+                         {n * (2 * cells + rows), 2 * n});
+  for (const int n : {3, 4, 5})
+    require_features(
+      std::to_string(n) + " sides of one cell",
+      [=](Split s) { return bar(regular_polygon(n), std::vector<int>(static_cast<std::size_t>(n), 1), 4, s); },
+      {6 * n, 2 * n});
+  for (const int rows : {1, 2, 4, 8})
+    for (const double size : {0.1, 0.4})
+      require_features("chamfer",
+                       [=](Split s) {
+                         return bar({{0, 0}, {2 - size, 0}, {2, size}, {2, 1}, {0, 1}}, {8, 2, 4, 8, 4}, rows, s);
+                       },
+                       {2 * 26 + 5 * rows, 10});
+  for (const int rows : {2, 8})
+    require_features("a bend of 30 degrees",
+                     [=](Split s) {
+                       return bar({{0, 0}, {1, 0}, {1 + std::cos(pi / 6), std::sin(pi / 6)}, {2, 1.5}, {0, 1.5}},
+                                  {4, 4, 4, 8, 4}, rows, s);
+                     },
+                     {2 * 24 + 5 * rows, 10});
+}
+
 TEST_CASE("cones: the rim, and the tip where it is sharp")
 {
   require_features("steep", [](Split s) { return cone(24, std::sqrt(3.), s); }, {24, 1});
@@ -83,7 +115,7 @@ TEST_CASE("cones: the rim, and the tip where it is sharp")
 
 TEST_CASE("smooth closed surfaces have no features, however coarse")
 {
-  for (const int level : {1, 2, 3})
+  for (const int level : {0, 1, 2, 3})
     CHECK(detect(icosphere(level)).report.critical_edges == 0);
   for (const auto& [n, rows] : {std::pair{16, 8}, std::pair{24, 12}, std::pair{36, 18}})
     require_features("sphere", [n = n, rows = rows](Split s) { return uv_sphere(n, rows, s); }, {0, 0});
@@ -103,6 +135,9 @@ TEST_CASE("wings: trailing edge and tip, nothing at the leading edge")
   for (const int nc : {32, 64})
     require_features("sharp", [nc](Split s) { return wing(nc, false, s); }, {2 * nc + 8, 1});
   require_features("blunt", [](Split s) { return wing(32, true, s); }, {2 * 32 + 1 + 16, 2});
+  // 60 degrees at the leading edge, and its rim turns there by as much: a corner
+  require_features("16 steps", [](Split s) { return wing(16, false, s); }, {2 * 16 + 8, 2});
+  require_features("16 steps, blunt", [](Split s) { return wing(16, true, s); }, {2 * 16 + 1 + 16, 3});
   // with so few points the leading edge is as sharp as an edge can be: 100 degrees at eight steps a side
   require_features("eight steps", [](Split s) { return wing(8, false, s); }, {24, 4, 24});
 }
@@ -145,7 +180,7 @@ TEST_CASE("a crease in the middle of a face, fading out at both ends")
 TEST_CASE("a chamfer has two seams, a rounded edge none")
 {
   require_features("chamfer", [](Split s) { return rounded_edge(1, s); }, {16, 0});
-  for (const int n : {3, 4, 6, 9})
+  for (const int n : {2, 3, 4, 6, 9})
     require_features("rounded", [n](Split s) { return rounded_edge(n, s); }, {0, 0});
 }
 
@@ -157,7 +192,12 @@ TEST_CASE("noise makes no features")
     CHECK(detect(roughen(icosphere(3), size, seed)).report.critical_edges == 0);
   for (const Split split : all_splits)
   {
-    CHECK(detect(rough_sheet(20, 0.1, split, seed)).score.false_edges <= 2);
+    CHECK(detect(rough_sheet(20, 0.1, split, seed)).score.false_edges <= 2); // from border to border near a corner
+    // so rough that every fourth edge of 1200 is steeper than 30 degrees, some up to 90
+    CHECK(detect(rough_sheet(20, 0.4, split, seed)).score.false_edges <= (split == Split::quads ? 0 : 8));
+    const Score rough_cube = detect(roughen(cube(8, split), 0.02, seed)).score;
+    CHECK(rough_cube.hits >= 94); // of 96
+    CHECK(rough_cube.false_edges <= 3);
     CHECK(detect(roughen(cube(8, split), 0.01, seed)).score.is_exact());
     CHECK(detect(roughen(cylinder(24, 4, true, split), 0.02, seed)).score.is_exact());
   }

@@ -9,6 +9,8 @@
 
 #include <catch2/catch.hpp>
 
+#include <cstdio>
+#include <iostream>
 #include <set>
 
 using namespace recurve;
@@ -39,8 +41,13 @@ struct Real_surface
 
   Feature_report detect(const Feature_options& options)
   {
+    std::map<std::string, int> numbers;
+    std::map<Boundary_surface::Face, int> number_of;
+    for (const auto& [face, name] : patch_of)
+      number_of[face] = numbers.try_emplace(name, static_cast<int>(numbers.size())).first->second;
     return detect_features(surface.mesh, surface.edge_is_critical, surface.vertex_is_sharp, options,
-                           CGAL::parameters::edge_is_constrained_map(surface.edge_is_pinned));
+                           CGAL::parameters::edge_is_constrained_map(surface.edge_is_pinned)
+                             .face_patch_map(boost::make_assoc_property_map(number_of)));
   }
 
   std::pair<std::string, std::string> patches_at(Boundary_surface::Edge e) const
@@ -65,6 +72,13 @@ struct Real_surface
 
 struct Precision_and_recall
 {
+  std::string text() const
+  {
+    char text[80];
+    std::snprintf(text, sizeof text, "precision %.3f, recall %.3f", precision, recall);
+    return text;
+  }
+
   double precision, recall;
 };
 
@@ -82,6 +96,21 @@ Precision_and_recall measure(const Real_surface& s, IsTrue is_true)
     truth += expected;
   }
   return {hits / found, hits / truth};
+}
+
+/// what thresholds of 20, 30 and 45 degrees would find; prints it, with what was detected, as a line each.
+template <class IsTrue>
+std::vector<Precision_and_recall> with_one_threshold(const char* name, Real_surface& s, IsTrue is_true)
+{
+  std::cout << name << ": " << measure(s, is_true).text() << '\n';
+  std::vector<Precision_and_recall> results;
+  for (const double threshold : {20., 30., 45.})
+  {
+    s.detect({.method = Feature_method::dihedral, .dihedral_angle = threshold});
+    results.push_back(measure(s, is_true));
+    std::cout << "  with a threshold of " << threshold << " degrees: " << results.back().text() << '\n';
+  }
+  return results;
 }
 
 std::optional<Real_surface> open(std::string_view name)
@@ -104,12 +133,8 @@ TEST_CASE("real: a bolt, every edge where its CAD faces do not meet smoothly")
   const auto [precision, recall] = measure(*s, is_true);
   CHECK(precision == 1);
   CHECK(recall == 1);
-  for (const double threshold : {20., 30., 45.})
-  {
-    s->detect({.method = Feature_method::dihedral, .dihedral_angle = threshold});
-    const auto single = measure(*s, is_true);
+  for (const auto& single : with_one_threshold("component8", *s, is_true))
     CHECK((single.precision < 0.7 || single.recall < 0.9)); // no single threshold does both
-  }
 }
 
 TEST_CASE("real: a forged rod with coarse fillets, only its bores have edges")
@@ -119,11 +144,25 @@ TEST_CASE("real: a forged rod with coarse fillets, only its bores have edges")
     return;
   const std::set<std::pair<std::string, std::string>> sharp = {
     {"face_12", "face_3"}, {"face_12", "face_5"}, {"face_11", "face_8"}, {"face_10", "face_11"}};
-  const auto [precision, recall] = measure(*s, [&](const std::string& a, const std::string& b) {
-    return sharp.contains({a, b});
-  });
+  // by the normals of its CAD model, to 0.4 degrees; all others are fillets
+  const auto is_true = [&](const std::string& a, const std::string& b) { return sharp.contains({a, b}); };
+  const auto [precision, recall] = measure(*s, is_true);
   CHECK(recall == 1);
-  CHECK(precision > 0.7); // the small bore has folds of 90 degrees in this mesh; a threshold of 45 degrees has 0.22
+  CHECK(precision > 0.7);
+  // What is wrong: the mesh folds the small bore, a cylinder, along two lines from rim to rim, as steeply as its rims.
+  for (const auto e : s->surface.mesh.edges())
+  {
+    const auto [a, b] = s->patches_at(e);
+    if (s->surface.edge_is_critical[e] && !is_true(a, b))
+      CHECK(std::pair(a, b) == std::pair<std::string, std::string>("face_12", "face_12"));
+  }
+  for (const auto& single : with_one_threshold("linkrods", *s, is_true))
+    CHECK(single.precision < 0.4);
+  // It takes the knowledge that patches are faces of the model.
+  s->detect({.smooth_patches = true});
+  const auto known = measure(*s, is_true);
+  CHECK(known.precision == 1);
+  CHECK(known.recall == 1);
 }
 
 TEST_CASE("real: the M6 wing, trailing edge and root but nothing along the leading edge")
@@ -188,11 +227,13 @@ TEST_CASE("real: fandisk, as triangles and as coarse quadrangles")
     const auto report = detect_features(mesh, critical, sharp);
     for (const auto e : mesh.edges())
       CHECK((!steep[e] || critical[e]));
-    // the part has two creases that fade out, and nothing that is shallow all along
+    // the part has two creases that fade out; and one that is shallow all along, where its step meets a plane: of 18 to
+    // 19 degrees at each of its six edges
     int fading = 0;
     for (const auto& curve : report.curves)
     {
-      CHECK(curve.max_dihedral > 65);
+      if (curve.max_dihedral <= 65)
+        CHECK((curve.edges == 6 && curve.max_dihedral > 18 && curve.max_dihedral < 20));
       fading += curve.first_end == Curve_end::terminus || curve.last_end == Curve_end::terminus;
     }
     CHECK(fading >= 1);

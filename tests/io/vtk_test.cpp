@@ -1,8 +1,11 @@
 #include "io/single_cell_mesh.h"
+#include "io/small_meshes.h"
 
 #include <recurve/core/exceptions.h>
 #include <recurve/elements/basis.h>
+#include <recurve/io/mesh_io.h>
 #include <recurve/io/vtk.h>
+#include <recurve/mesh/join_zones.h>
 
 #include <catch2/catch.hpp>
 
@@ -14,6 +17,7 @@
 #include <sstream>
 
 using namespace recurve;
+using namespace recurve::test;
 namespace fs = std::filesystem;
 
 namespace {
@@ -174,4 +178,73 @@ TEST_CASE("a VTU file that is cancelled is removed")
   CHECK(folder_content(file.parent_path()).size() ==
         static_cast<std::size_t>(std::count_if(fs::directory_iterator(file.parent_path()), fs::directory_iterator(),
                                                [](const auto& entry) { return entry.path().extension() == ".vtu"; })));
+}
+
+TEST_CASE("a curved cell comes back from VTU to the bit")
+{
+  const Element_type type =
+    GENERATE(Element_type::tetrahedron, Element_type::pyramid, Element_type::prism, Element_type::hexahedron);
+  const int degree = GENERATE(1, 2, 3, 4, 5, 6);
+  CAPTURE(element_name(type), degree);
+  const Curved_mesh mesh = single_cell_mesh(type, degree);
+  const Temporary_file file("back.vtu");
+  write_vtu(mesh, file.path());
+  Read_report report;
+  const Curved_mesh back = read_curved_mesh(file.path(), &report);
+  CHECK(report.notes.empty());
+  CHECK(back.degree == degree);
+  CHECK(back.nodes == mesh.nodes);
+  CHECK(element_positions(back) == element_positions(mesh));
+  CHECK(element_positions(back, &Curved_zone::faces) == element_positions(mesh, &Curved_zone::faces));
+  REQUIRE(back.linear.zones[0].patches.size() == mesh.linear.zones[0].patches.size());
+  for (std::size_t p = 0; p < mesh.linear.zones[0].patches.size(); ++p)
+    CHECK(back.linear.zones[0].patches[p].name == mesh.linear.zones[0].patches[p].name);
+}
+
+TEST_CASE("zones and the nodes they share come back from VTU")
+{
+  Volume_mesh linear = two_zones(true);
+  const Joined_zones joined = join_zones(linear);
+  linear.zones[0].name = "left <&\"> \xC3\xA4";
+  linear.zones[0].interfaces.clear();
+  Curved_mesh mesh = elevate(std::move(linear), joined, 3);
+  bend(mesh);
+  const Temporary_file file("zones.vtu");
+  write_vtu(mesh, file.path());
+  const Curved_mesh back = read_curved_mesh(file.path());
+  CHECK(back.linear.zones.at(0).name == "left <&\"> \xC3\xA4");
+  CHECK(back.nodes.size() == mesh.nodes.size());
+  CHECK(element_positions(back) == element_positions(mesh));
+}
+
+TEST_CASE("VTU files of others and damaged ones are refused")
+{
+  const Temporary_file file("damaged.vtu");
+  write_vtu(single_cell_mesh(Element_type::pyramid, 3), file.path());
+  std::ostringstream stream;
+  stream << std::ifstream(file.path(), std::ios::binary).rdbuf();
+  const std::string whole = stream.str();
+  const auto refuse = [&](const std::string& text, const std::string& word) {
+    std::ofstream(file.path(), std::ios::binary) << text;
+    CHECK_THROWS_AS(read_vtu(file.path()), Format_error);
+    CHECK_THROWS_WITH(read_vtu(file.path()), Catch::Matchers::Contains(word));
+  };
+  const auto with = [&](const std::string& from, const std::string& to) {
+    std::string text = whole;
+    const std::size_t at = text.find(from);
+    REQUIRE(at != std::string::npos);
+    return text.replace(at, from.size(), to);
+  };
+  refuse(with("version=\"2.2\"", "version=\"1.0\""), "as recurve writes them");
+  refuse(with("NumberOfPoints=\"", "NumberOfPoints=\"9"), "Points");
+  refuse(with("NumberOfCells=\"", "NumberOfCells=\"9"), "lacks arrays");
+  refuse(with("Name=\"pyramid_nodes\"", "Name=\"another_array\""), "pyramid_nodes");
+  refuse(with("encoding=\"raw\"", "encoding=\"b64\""), "raw");
+  refuse(with("Name=\"offsets\" NumberOfComponents=\"1\"", "Name=\"offsets\" NumberOfComponents=\"3\""), "offsets");
+  for (std::size_t size = 0; size + 40 < whole.size(); size += 101)
+  {
+    CAPTURE(size);
+    std::ofstream(file.path(), std::ios::binary) << whole.substr(0, size);
+    CHECK_THROWS_AS(read_vtu(file.path()), Format_error);
+  }
 }

@@ -64,21 +64,23 @@ TEST_CASE("the report of a conversion counts what is there")
 TEST_CASE("the keys of the report are the documented ones")
 {
   const json found = json::parse(to_json(Curving_report{}));
-  CHECK(keys(found) == std::vector<std::string>{"cells", "deformation", "displacement", "features", "fits", "input",
-                                                "mesh", "nodes", "notes", "options", "output", "patches",
-                                                "peak_memory_bytes", "program", "seconds", "stages", "surface",
-                                                "validity", "version"});
+  CHECK(keys(found) ==
+        std::vector<std::string>{
+          "cells",   "deformation", "displacement", "features", "fits",     "input",   "jacobians",
+          "mesh",    "nodes",       "notes",        "options",  "output",   "patches", "peak_memory_bytes",
+          "program", "seconds",     "stages",       "surface",  "validity", "version"});
   CHECK(keys(found["deformation"]) ==
         std::vector<std::string>{"blended_face_nodes", "error_bound", "largest_displacement", "length", "method",
-                                 "moved_nodes", "moving_sources", "negligible_nodes", "pairs", "planar_nodes",
-                                 "planar_patches", "sources", "targets", "translations"});
+                                 "moved_nodes", "moving_sources", "negligible_nodes", "pairs", "periodic_pairs",
+                                 "planar_nodes", "planar_patches", "sources", "targets", "translations"});
   CHECK(keys(found["mesh"]) == std::vector<std::string>{"boundary", "bounding_box", "cells", "cells_by_type",
                                                         "interfaces", "joined_zones", "name", "orientation", "patches",
                                                         "points", "zones"});
-  CHECK(keys(found["fits"]) == std::vector<std::string>{"faces", "faces_of_degree", "first_lowered_faces",
+  CHECK(keys(found["fits"]) == std::vector<std::string>{"faces", "faces_of_degree", "first_lowered_faces", "fits",
                                                         "lowered_by_reason", "lowered_faces", "planar_faces",
-                                                        "poor_stencils", "stencil_vertices"});
-  CHECK(keys(found["features"]) ==
-        std::vector<std::string>{"border_edges", "candidate_edges", "critical_edges", "curves", "isolated_corners",
-                                 "rejected_curves", "rejected_edges", "sharp_edges", "sharp_vertices", "weak_edges"});
+                                                        "poor_stencils", "reduced_fits", "stencil_vertices"});
+  CHECK(keys(found["features"]) == std::vector<std::string>{"border_edges", "candidate_edges", "critical_edges",
+                                                            "curves", "isolated_corners", "longest_rejected_curves",
+                                                            "rejected_curves", "rejected_edges", "sharp_edges",
+                                                            "sharp_vertices", "weak_edges"});
 }

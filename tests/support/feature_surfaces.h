@@ -191,6 +191,52 @@ inline Surface quarter_disc_prism(int n, Split split)
   });
 }
 
+/// a bar of height 1 over the polygon `corners` in the plane, `cells`[i] quadrangles along its side i and `rows` rows.
+/// Features are the seams between its sides and the outlines of its ends.
+inline Surface bar(const std::vector<std::array<double, 2>>& corners, const std::vector<int>& cells, int rows,
+                   Split split)
+{
+  Surface_builder b(split);
+  const std::size_t n = corners.size();
+  std::array<double, 2> middle{};
+  for (const auto& c : corners)
+    middle = {middle[0] + c[0] / double(n), middle[1] + c[1] / double(n)};
+  for (std::size_t i = 0; i < n; ++i)
+  {
+    const auto &p = corners[i], &q = corners[(i + 1) % n];
+    const auto at = [&](double along, double inwards, double z) {
+      const double x = p[0] + along * (q[0] - p[0]), y = p[1] + along * (q[1] - p[1]);
+      return Point{x + inwards * (middle[0] - x), y + inwards * (middle[1] - y), z};
+    };
+    b.patch(cells[i], rows, [&](double u, double z) { return at(u, 0, z); });
+    b.patch(3, cells[i], [&](double inwards, double u) { return at(u, inwards, 0); });
+    b.patch(cells[i], 3, [&](double u, double inwards) { return at(u, inwards, 1); });
+  }
+  return b.take([corners, n](const Point& p, const Point& q) {
+    const auto is_on_side = [&](const Point& x, std::size_t i) {
+      const auto &a = corners[i], &c = corners[(i + 1) % n];
+      return near((c[0] - a[0]) * (x[1] - a[1]) - (c[1] - a[1]) * (x[0] - a[0]), 0);
+    };
+    bool is_seam = false, is_outline = false;
+    for (std::size_t i = 0; i < n; ++i)
+    {
+      const auto& a = corners[i];
+      is_seam |= near(p[0], a[0]) && near(p[1], a[1]) && near(q[0], a[0]) && near(q[1], a[1]);
+      is_outline |= near(p[2], q[2]) && (near(p[2], 0) || near(p[2], 1)) && is_on_side(p, i) && is_on_side(q, i);
+    }
+    return is_seam || is_outline;
+  });
+}
+
+/// the corners of a regular polygon.
+inline std::vector<std::array<double, 2>> regular_polygon(int n)
+{
+  std::vector<std::array<double, 2>> corners;
+  for (int i = 0; i < n; ++i)
+    corners.push_back({std::cos(2 * pi * i / n), std::sin(2 * pi * i / n)});
+  return corners;
+}
+
 /// a cylinder of radius 1 and height 2, `n` sectors and `rows` rows, with caps (fans) or open.
 inline Surface cylinder(int n, int rows, bool has_caps, Split split)
 {

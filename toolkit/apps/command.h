@@ -19,10 +19,10 @@ namespace recurve {
 enum Exit_status
 {
   exit_done = 0,
-  exit_usage = 1,     // the command line itself is wrong
-  exit_bad_input = 2, // a file, a patch, the disk
+  exit_usage = 1,       // the command line itself is wrong
+  exit_bad_input = 2,   // a file, a patch, the disk
   exit_uncertified = 3, // a cell is not certified valid
-  exit_cancelled = 130 // what shells expect after Ctrl-C
+  exit_cancelled = 130  // what shells expect after Ctrl-C
 };
 
 /// A command line that asks for what cannot be, whatever the files hold.
@@ -37,8 +37,10 @@ using Command = std::function<int()>;
 
 /// Each adds a subcommand with its options to `app` and gives what is to be run if it was chosen.
 Command add_check_command(CLI::App& app);
+Command add_convert_command(CLI::App& app);
 Command add_curve_command(CLI::App& app);
 Command add_features_command(CLI::App& app);
+Command add_formats_command(CLI::App& app);
 Command add_info_command(CLI::App& app);
 
 /// shows progress in `bar` and ends the work when the user asks for that.

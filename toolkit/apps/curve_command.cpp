@@ -1,15 +1,20 @@
 #include "command.h"
 #include "describe.h"
 #include "interruption.h"
+#include "output_options.h"
 #include "surface_options.h"
 
 #include <recurve/io/mesh_io.h>
+#include <recurve/io/vtk.h>
 #include <recurve/run/curve_mesh.h>
 #include <recurve/run/stages.h>
 
+#include <array>
 #include <chrono>
 #include <memory>
 #include <optional>
+#include <utility>
+#include <vector>
 
 namespace recurve {
 
@@ -19,9 +24,11 @@ namespace fs = std::filesystem;
 
 struct Curve_arguments
 {
-  fs::path input, output, report;
+  fs::path input, output, report, histogram;
   Surface_options surface;
+  std::vector<std::string> periodic; ///< "A,B"
   Curving_options options;
+  Write_options write;
   bool is_quiet = false;
 };
 
@@ -32,45 +39,87 @@ void check_files(const Curve_arguments& given)
   check_is_not_input(given.output, given.input);
   if (!given.report.empty() && (is_same_file(given.report, given.input) || is_same_file(given.report, given.output)))
     throw Usage_error(fmt::format("{}: the report needs a file of its own", given.report.string()));
+  if (given.histogram.empty())
+    return;
+  if (given.histogram.extension() != ".svg")
+    throw Usage_error(fmt::format("{}: the histogram is written as .svg", given.histogram.string()));
+  for (const fs::path& other : {given.input, given.output, given.report})
+    if (!other.empty() && is_same_file(given.histogram, other))
+      throw Usage_error(fmt::format("{}: the histogram needs a file of its own", given.histogram.string()));
 }
 
-/// the two files of a conversion: both complete, or none there.
+/// A text that is written beside the mesh, or to a stream.
+class Text_result
+{
+public:
+  Text_result(fs::path name, std::size_t slot) : name_(std::move(name))
+  {
+    if (name_.empty() || is_stream(name_))
+      return;
+    file_.emplace(name_);
+    remember_unfinished(slot, file_->path());
+  }
+
+  template <class Make_text>
+  void write(const Make_text& make_text)
+  {
+    if (!name_.empty())
+      write_text(make_text(), file_ ? file_->path() : name_, name_);
+  }
+
+  void commit()
+  {
+    if (file_)
+      file_->commit();
+  }
+
+private:
+  fs::path name_;
+  std::optional<Pending_file> file_;
+};
+
+/// the files of a conversion: all complete, or none there.
 class Results
 {
 public:
-  explicit Results(const Curve_arguments& given) : mesh_(given.output), report_path_(given.report)
+  explicit Results(const Curve_arguments& given)
+    : mesh_(given.output), report_(given.report, 1), histogram_(given.histogram, 2)
   {
     remember_unfinished(0, mesh_.path());
-    if (!report_path_.empty() && !is_stream(report_path_))
-    {
-      report_.emplace(report_path_);
-      remember_unfinished(1, report_->path());
-    }
   }
 
   Pending_file& mesh() { return mesh_; }
 
   void commit(const Curving_report& report)
   {
-    if (report_)
-      write_text(to_json(report), report_->path(), report_path_);
-    else if (!report_path_.empty())
-      write_text(to_json(report), report_path_, report_path_);
+    report_.write([&] { return to_json(report); });
+    histogram_.write([&] { return histogram_svg(report.jacobians); });
     mesh_.commit();
-    if (report_)
-      report_->commit();
+    report_.commit();
+    histogram_.commit();
   }
 
 private:
   Pending_file mesh_;
-  fs::path report_path_;
-  std::optional<Pending_file> report_;
+  Text_result report_, histogram_;
 };
+
+/// "A,B" as A and B.
+std::array<std::string, 2> split_pair(const std::string& pair)
+{
+  const auto comma = pair.find(',');
+  if (comma == std::string::npos || pair.find(',', comma + 1) != std::string::npos)
+    throw Usage_error(fmt::format("--periodic takes two patches, as A,B; not {}", pair));
+  return {pair.substr(0, comma), pair.substr(comma + 1)};
+}
 
 int run(Curve_arguments& given)
 {
   finish_surface_options(given.surface, given.options);
   check_files(given);
+  for (const std::string& pair : given.periodic)
+    given.options.periodic.push_back(split_pair(pair));
+  given.options.record_jacobians = !given.histogram.empty();
   Progress_bar bar(!given.is_quiet);
   const Progress_callback progress = callback_of(bar);
   const auto start = std::chrono::steady_clock::now();
@@ -84,7 +133,7 @@ int run(Curve_arguments& given)
   const Curved_mesh curved =
     naming(given.input, [&] { return curve_mesh(std::move(linear), given.options, &report, progress); });
   run_stage("write", report.stages, progress,
-            [&] { write_mesh(curved, results.mesh(), cell_fields(report.certification), progress); });
+            [&] { write_mesh(curved, results.mesh(), cell_fields(report.certification), progress, given.write); });
 
   report.input = given.input.string();
   report.output = given.output.string();
@@ -106,6 +155,13 @@ void add_deformation_options(CLI::App& curve, Curve_arguments& given)
   curve
     .add_flag("!--no-deform", given.options.deform,
               "bend only cells that touch the curved surface; thin layers behind it may fold")
+    ->group(group);
+  curve
+    .add_option("--periodic", given.periodic,
+                "patches that are a translation apart and stay so, as A,B; may be given again. What the mesh calls "
+                "periodic stays so by itself")
+    ->type_name("A,B")
+    ->take_all()
     ->group(group);
   curve
     .add_option(
@@ -162,7 +218,14 @@ Command add_curve_command(CLI::App& app)
     ->check(CLI::Range(1, max_degree));
   add_surface_options(*curve, given->surface, given->options);
   add_deformation_options(*curve, *given);
+  add_output_options(*curve, given->write);
   curve->add_option("--report", given->report, "write what happened as JSON")->type_name("FILE.json");
+  curve
+    ->add_option(
+      "--histogram", given->histogram,
+      "bound the Jacobians of all cells before and after, and draw their histograms; a .vtu gets them as the "
+      "field scaled_jacobian")
+    ->type_name("FILE.svg");
   curve->add_option("--threads", given->options.threads, "largest number of threads (default: all)")
     ->check(CLI::Range(1, 4096));
   curve->add_flag("-q,--quiet", given->is_quiet, "no progress bar and no summary");

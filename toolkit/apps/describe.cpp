@@ -137,7 +137,7 @@ std::string describe_deformation(const Curving_report& report)
   std::string text = fmt::format("interior: {} moved, at most {:.4g}",
                                  counted(deformation.moved_nodes, "node", "nodes"), deformation.largest_displacement);
   if (deformation.planar_patches > 0)
-    text += fmt::format("; {} in {} that follow their rim in the plane", grouped(deformation.planar_nodes),
+    text += fmt::format("; {} of them in {}", grouped(deformation.planar_nodes),
                         counted(deformation.planar_patches, "planar patch", "planar patches"));
   return text + "\n";
 }
@@ -145,20 +145,24 @@ std::string describe_deformation(const Curving_report& report)
 // What a terminal shows at a glance; files and --json have the rest.
 constexpr std::size_t shown_curves = 100, shown_rejections = 10;
 
-std::string describe_curves(const Feature_report& report)
+std::string describe_curves(const Feature_listing& listing)
 {
+  const Feature_report& report = listing.report;
   if (report.curves.empty())
     return "";
   const auto end_at = [](const Point& point, Curve_end end) {
     return at_point(point) + (end == Curve_end::terminus ? " fades out" : "");
   };
-  std::vector<std::vector<std::string>> rows = {{"curve", "edges", "length", "largest angle", "from", "to"}};
-  for (const Feature_curve_summary& curve : report.curves)
-    if (rows.size() <= shown_curves)
-      rows.push_back({std::to_string(rows.size() - 1), grouped(curve.edges), fmt::format("{:.6g}", curve.length),
-                      curve.is_pinned ? "border" : fmt::format("{:.1f}", curve.max_dihedral),
-                      end_at(curve.first_point, curve.first_end),
-                      curve.is_closed ? "closed" : end_at(curve.last_point, curve.last_end)});
+  std::vector<std::vector<std::string>> rows = {{"curve", "edges", "length", "largest angle", "from", "to", "beside"}};
+  for (std::size_t i = 0; i < std::min(report.curves.size(), shown_curves); ++i)
+  {
+    const Feature_curve_summary& curve = report.curves[i];
+    rows.push_back({std::to_string(i), grouped(curve.edges), fmt::format("{:.6g}", curve.length),
+                    curve.is_pinned ? "border" : fmt::format("{:.1f}", curve.max_dihedral),
+                    end_at(curve.first_point, curve.first_end),
+                    curve.is_closed ? "closed" : end_at(curve.last_point, curve.last_end),
+                    fmt::format("{}", fmt::join(listing.curves[i].patches, ", "))});
+  }
   std::string text = "\n" + table(rows);
   if (report.curves.size() > shown_curves)
     text += fmt::format("  and {} more; --json and -o FILE have all\n",
@@ -174,6 +178,7 @@ std::string_view explain(Rejection reason)
   case Rejection::doubtful: return "doubtful: both ends are, and it has few strong edges";
   case Rejection::overshadowed: return "overshadowed: weak, between stronger features";
   case Rejection::smooth: return "smooth: the surface bends beside it as along it";
+  case Rejection::rough: return "rough: one of many short ones, and the surface bends beside them as along them";
   }
   return "";
 }
@@ -197,14 +202,27 @@ std::string describe_rejected(const Feature_report& report)
       rows.push_back({grouped(curve->edges), fmt::format("{:.6g}", curve->length),
                       fmt::format("{:.1f}", curve->max_dihedral), at_point(curve->first_point),
                       curve->is_closed ? "closed" : at_point(curve->last_point), std::string(explain(curve->reason))});
-  std::string text = fmt::format(
-    "\n{} not taken ({}), longest first\n\n",
-    counted(static_cast<Index>(report.rejected.size()), "candidate curve was", "candidate curves were"),
-    counted(edges, "edge", "edges"));
+  std::string text =
+    fmt::format("\n{} not taken ({}), longest first\n\n",
+                counted(static_cast<Index>(report.rejected.size()), "candidate curve was", "candidate curves were"),
+                counted(edges, "edge", "edges"));
   text += table(rows);
   if (longest.size() > shown_rejections)
-    text += fmt::format("  and {} more; --json has them\n",
-                        grouped(static_cast<Index>(longest.size() - shown_rejections)));
+    text +=
+      fmt::format("  and {} more; --json has them\n", grouped(static_cast<Index>(longest.size() - shown_rejections)));
+  return text;
+}
+
+std::string describe_jacobians(const Jacobian_history& history)
+{
+  std::string text;
+  for (const Jacobian_stage& stage : history.stages)
+  {
+    text += fmt::format("{}: {} inverted", stage.name, counted(stage.inverted, "cell", "cells"));
+    if (stage.wrong_before > 0)
+      text += fmt::format(" beyond {} that were wrong before", grouped(stage.wrong_before));
+    text += fmt::format(", smallest scaled Jacobian {:.3g}\n", stage.bounds.least.scaled);
+  }
   return text;
 }
 
@@ -232,7 +250,7 @@ std::string describe(const Feature_listing& listing)
   return fmt::format("{}, {}, {}\n", counted(report.critical_edges, "critical edge", "critical edges"),
                      counted(static_cast<Index>(report.curves.size()), "curve", "curves"),
                      counted(report.sharp_vertices, "sharp vertex", "sharp vertices")) +
-         describe_curves(report) + describe_rejected(report);
+         describe_curves(listing) + describe_rejected(report);
 }
 
 std::string describe(const Curving_report& report)
@@ -255,6 +273,7 @@ std::string describe(const Curving_report& report)
   text += describe_deformation(report);
   text += fmt::format("{} of {} are exactly straight\n", grouped(report.straight_cells),
                       counted(report.cells, "cell", "cells"));
+  text += describe_jacobians(report.jacobians);
   text += describe_faults(mesh);
   text += describe(report.certification);
   text += fmt::format("wrote {} in {:.1f} s with at most {:.0f} MiB\n", report.output, report.seconds,

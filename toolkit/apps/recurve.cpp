@@ -30,8 +30,10 @@ constexpr const char* examples =
   "  recurve curve wing.cgns curved.cgns --features edges.toml\n"
   "                                                  with the edges that the file says\n"
   "  recurve check curved.cgns                       proves that no cell of a mesh is folded\n"
+  "  recurve convert curved.cgns curved.msh --msh-version 2.2\n"
+  "                                                  the same mesh in another format\n"
   "\n"
-  "Formats by extension: .cgns (read; written up to degree 4), .vtu (written up to degree 6).\n"
+  "Formats by extension: .cgns, .msh (Gmsh), .h5 (HOPR), .vtu; read only: .su2, .ugrid. recurve formats lists them.\n"
   "Exit status: 0 done, 1 wrong command line, 2 bad input or a file that cannot be written, 3 a cell is not certified "
   "valid, 130 interrupted.\n"
   "The output appears when it is complete; after a failure there is none. The input is never changed.\n"
@@ -77,10 +79,8 @@ int run_program(int argc, char** argv)
   app.require_subcommand(1);
   app.set_version_flag("--version", "recurve " RECURVE_VERSION);
   std::vector<std::pair<std::string, Command>> commands = {
-    {"check", add_check_command(app)},
-    {"curve", add_curve_command(app)},
-    {"features", add_features_command(app)},
-    {"info", add_info_command(app)},
+    {"check", add_check_command(app)},       {"convert", add_convert_command(app)}, {"curve", add_curve_command(app)},
+    {"features", add_features_command(app)}, {"formats", add_formats_command(app)}, {"info", add_info_command(app)},
   };
   try
   {

@@ -1,8 +1,9 @@
-// The node orders of Gmsh, the SIDS (CGNS) and VTK as rules that list lattice points: corners, edges, faces, interior,
-// each format with its own numbering of edges and faces and its own order inside them. Nothing else in the library
-// knows them.
+// The node orders of Gmsh, the SIDS (CGNS), VTK and HOPR as rules that list lattice points: corners, edges, faces,
+// interior, each format with its own numbering of edges and faces and its own order inside them. Nothing else in the
+// library knows them.
 #include "lattice.h"
 
+#include <algorithm>
 #include <functional>
 
 namespace recurve::internal {
@@ -258,6 +259,35 @@ Lattice vtk_nodes(Element_type type, int degree)
   return listed(type, degree, vtk_numbering(type));
 }
 
+// --- HOPR and SU2: no corners first, but the lattice row by row
+// ---------------------------------------------------------------------
+
+/// whether the element has the lattice point. The heights of a pyramid are squares, each smaller than the one below.
+bool is_on_lattice(Element_type type, int degree, const Lattice_point& point)
+{
+  const auto& [i, j, k] = point;
+  switch (type)
+  {
+  case Element_type::triangle:
+  case Element_type::prism: return i + j <= degree;
+  case Element_type::tetrahedron: return i + j + k <= degree;
+  case Element_type::pyramid: return std::max(i, j) + k <= degree;
+  default: return true;
+  }
+}
+
+Lattice rows_of_nodes(Element_type type, int degree)
+{
+  const int dimension = reference_element(type).dimension;
+  Lattice nodes;
+  for (int k = 0; k <= (dimension > 2 ? degree : 0); ++k)
+    for (int j = 0; j <= (dimension > 1 ? degree : 0); ++j)
+      for (int i = 0; i <= degree; ++i)
+        if (is_on_lattice(type, degree, {i, j, k}))
+          nodes.push_back({i, j, k});
+  return nodes;
+}
+
 } // namespace
 
 Lattice foreign_nodes(Node_order order, Element_type type, int degree)
@@ -267,6 +297,7 @@ Lattice foreign_nodes(Node_order order, Element_type type, int degree)
   case Node_order::gmsh: return gmsh_nodes(type, degree);
   case Node_order::cgns: return degree <= 4 ? listed(type, degree, cgns_numbering(type)) : Lattice{};
   case Node_order::vtk: return type != Element_type::pyramid ? vtk_nodes(type, degree) : Lattice{};
+  case Node_order::rows: return rows_of_nodes(type, degree);
   }
   return {};
 }

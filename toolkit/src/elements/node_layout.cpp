@@ -46,7 +46,7 @@ namespace {
 
 using namespace internal;
 
-constexpr int order_count = 3;
+constexpr int order_count = 4;
 
 /// for each of `points` its place in `nodes`.
 std::vector<int> places(const Lattice& points, const Lattice& nodes)
@@ -184,7 +184,7 @@ const Layout& layout_of(Element_type type, int degree)
 
 std::string order_name(Node_order order)
 {
-  constexpr const char* names[order_count] = {"CGNS", "Gmsh", "VTK"};
+  constexpr const char* names[order_count] = {"CGNS", "Gmsh", "VTK", "HOPR"};
   return names[static_cast<int>(order)];
 }
 

@@ -166,6 +166,8 @@ void Input_file::rewind()
 
 void Input_file::fail(std::string_view message) const
 {
+  if (!is_binary_)
+    fail_in_text(message);
   throw Format_error(fmt::format("{}: {} (at byte {})", path_.string(), message, offset()));
 }
 

@@ -30,8 +30,13 @@ public:
   std::uint64_t offset() const { return buffer_offset_ + at_; }
   std::uint64_t remaining() const { return size_ - std::min(size_, offset()); }
 
-  /// whether binary numbers have the other byte order than this machine.
-  void set_swapped(bool is_swapped) { is_swapped_ = is_swapped; }
+  /// says that numbers are binary, so that messages name the byte, and whether of the other byte order than this
+  /// machine's. A file is text before.
+  void set_binary(bool is_swapped)
+  {
+    is_binary_ = true;
+    is_swapped_ = is_swapped;
+  }
 
   /// \throws Format_error unless `count` things of at least `bytes` bytes each can follow in the file: a count that is
   /// not to be believed, before memory is taken for it.
@@ -84,8 +89,9 @@ public:
 
   void rewind();
 
-  /// in text, so that messages name the line.
   [[noreturn]] void fail(std::string_view message) const;
+
+  /// for the lines of text of a binary file.
   [[noreturn]] void fail_in_text(std::string_view message) const;
 
 private:
@@ -102,7 +108,7 @@ private:
   std::size_t at_ = 0, end_ = 0;
   Index line_ = 1;
   std::uint64_t percent_ = 0; ///< told to the progress
-  bool is_swapped_ = false;
+  bool is_binary_ = false, is_swapped_ = false;
 };
 
 } // namespace recurve::internal

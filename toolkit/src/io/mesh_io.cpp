@@ -18,40 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Mesh_format cgns_format()
-{
-  return {"CGNS",
-          {".cgns"},
-          4,
-          4,
-          read_curved_cgns,
-          [](const Curved_mesh& mesh, const fs::path& file, const std::vector<Cell_field>&, const Write_options&,
-             const Progress_callback& progress) { write_cgns(mesh, file, progress); }};
-}
-
-Mesh_format vtu_format()
-{
-  return {"VTU",
-          {".vtu"},
-          0,
-          max_degree,
-          {},
-          [](const Curved_mesh& mesh, const fs::path& file, const std::vector<Cell_field>& fields, const Write_options&,
-             const Progress_callback& progress) { write_vtu(mesh, file, fields, progress); }};
-}
-
-Mesh_format msh_format()
-{
-  return {"MSH",
-          {".msh"},
-          max_degree,
-          max_degree,
-          read_msh,
-          [](const Curved_mesh& mesh, const fs::path& file, const std::vector<Cell_field>&,
-             const Write_options& options,
-             const Progress_callback& progress) { write_msh(mesh, file, options.msh, progress); }};
-}
-
 std::string lower_case(std::string text)
 {
   std::transform(text.begin(), text.end(), text.begin(),
@@ -91,12 +57,6 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 }
 
 } // namespace
-
-const std::vector<Mesh_format>& mesh_formats()
-{
-  static const std::vector<Mesh_format> formats = {cgns_format(), msh_format(), vtu_format()};
-  return formats;
-}
 
 const Mesh_format& mesh_format_of(const fs::path& file)
 {

@@ -164,8 +164,8 @@ Grouped_mesh make_groups(Msh_reading& r)
       mesh.cells.push_back({zones.number_of(key.physical), type, key.type, std::move(nodes)});
     else
       mesh.faces.push_back({key.physical == 0 ? no_index : patches.number_of(key.physical),
-                            group_name(r, key) + (has_two_types(r, key) ? "_" + type : ""), key.type,
-                            std::move(nodes)});
+                            has_two_types(r, key) ? fmt::format("{}_{}", group_name(r, key), type) : group_name(r, key),
+                            key.type, std::move(nodes)});
   }
   return mesh;
 }

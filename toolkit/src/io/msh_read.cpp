@@ -78,10 +78,11 @@ void read_format(Msh_reading& reading)
     return;
   std::string rest;
   in.read_line(rest);
+  in.set_binary(false);
   const auto one = in.read<std::int32_t>();
   if (one != 1 && one != 0x01000000)
     in.fail("the mark of the byte order is neither way a 1");
-  in.set_swapped(one != 1);
+  in.set_binary(one != 1);
 }
 
 void read_names(Msh_reading& reading)

@@ -109,6 +109,7 @@ public:
   const Collapsed_pyramid& collapsed() const { return collapsed_; }
   Index element_count() const { return element_count_; }
   Index cell_count() const { return cell_count_; }
+  Index pyramid_count() const { return pyramid_count_; }
   Index connectivity_size() const { return connectivity_size_; }
   Index point_count() const
   {
@@ -264,6 +265,15 @@ void put_connectivity(const Vtu_content& content, Binary_output& out)
   }
 }
 
+/// the nodes of pyramids as they are, for our own reader: the collapsed hexahedra lack some of them.
+void put_pyramid_nodes(const Vtu_content& content, Binary_output& out)
+{
+  for (const Block& block : content.blocks())
+    if (block.section->type == Element_type::pyramid)
+      for (const Index node : block.section->nodes)
+        out.put(static_cast<std::int64_t>(node));
+}
+
 void put_offsets(const Vtu_content& content, Binary_output& out)
 {
   std::int64_t end = 0;
@@ -291,11 +301,12 @@ struct Data_array
   int components = 1;
   std::uint64_t bytes = 0;
   std::function<void(Binary_output&)> put;
+  Index tuples = 0; ///< told in the file where it does not follow from the piece
 };
 
 struct Arrays
 {
-  std::vector<Data_array> points, cells, cell_data;
+  std::vector<Data_array> field_data, points, cells, cell_data;
 };
 
 template <class Value>
@@ -342,6 +353,12 @@ Arrays make_arrays(const Vtu_content& content, const std::vector<Cell_field>& fi
   const auto put = [&content](auto function) {
     return [&content, function](Binary_output& out) { function(content, out); };
   };
+  if (content.pyramid_count() > 0)
+    arrays.field_data = {make_array<std::int64_t>(
+      "pyramid_nodes", 1, content.pyramid_count() * node_count(Element_type::pyramid, content.mesh().degree),
+      put(put_pyramid_nodes))};
+  for (Data_array& array : arrays.field_data)
+    array.tuples = static_cast<Index>(array.bytes / sizeof(std::int64_t));
   arrays.points = {make_array<double>("Points", 3, 3 * content.point_count(), put(put_points))};
   arrays.cells = {make_array<std::int64_t>("connectivity", 1, content.connectivity_size(), put(put_connectivity)),
                   make_array<std::int64_t>("offsets", 1, content.element_count(), put(put_offsets)),
@@ -427,9 +444,10 @@ std::string array_elements(const std::vector<Data_array>& arrays, std::uint64_t&
   std::string text;
   for (const Data_array& array : arrays)
   {
-    text += fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" "
+    text += fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\"{} format=\"appended\" "
                         "offset=\"{}\"/>\n",
-                        array.vtk_value_type, escaped(array.name), array.components, offset);
+                        array.vtk_value_type, escaped(array.name), array.components,
+                        array.tuples > 0 ? fmt::format(" NumberOfTuples=\"{}\"", array.tuples) : "", offset);
     offset += sizeof(std::uint64_t) + array.bytes;
   }
   return text;
@@ -438,21 +456,23 @@ std::string array_elements(const std::vector<Data_array>& arrays, std::uint64_t&
 std::string header(const Vtu_content& content, const Arrays& arrays)
 {
   std::uint64_t offset = 0;
+  const std::string more_fields = array_elements(arrays.field_data, offset);
   const std::string points = array_elements(arrays.points, offset);
   const std::string cells = array_elements(arrays.cells, offset);
   const std::string cell_data = array_elements(arrays.cell_data, offset);
   return fmt::format("<?xml version=\"1.0\"?>\n"
                      "<VTKFile type=\"UnstructuredGrid\" version=\"2.2\" byte_order=\"LittleEndian\" "
-                     "header_type=\"UInt64\">\n<UnstructuredGrid>\n<FieldData>\n{}</FieldData>\n"
+                     "header_type=\"UInt64\">\n<UnstructuredGrid>\n<FieldData>\n{}{}</FieldData>\n"
                      "<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n<Points>\n{}</Points>\n<Cells>\n{}</Cells>\n"
                      "<CellData>\n{}</CellData>\n</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_",
-                     field_data(content), content.point_count(), content.element_count(), points, cells, cell_data);
+                     field_data(content), more_fields, content.point_count(), content.element_count(), points, cells,
+                     cell_data);
 }
 
 std::uint64_t total_bytes(const Arrays& arrays)
 {
   std::uint64_t total = 0;
-  for (const auto* group : {&arrays.points, &arrays.cells, &arrays.cell_data})
+  for (const auto* group : {&arrays.field_data, &arrays.points, &arrays.cells, &arrays.cell_data})
     for (const Data_array& array : *group)
       total += array.bytes;
   return total;
@@ -471,7 +491,7 @@ std::function<void()> watch(const Binary_output& out, std::uint64_t total, const
 
 void put_appended(const Arrays& arrays, Binary_output& out)
 {
-  for (const auto* group : {&arrays.points, &arrays.cells, &arrays.cell_data})
+  for (const auto* group : {&arrays.field_data, &arrays.points, &arrays.cells, &arrays.cell_data})
     for (const Data_array& array : *group)
     {
       out.put(array.bytes);

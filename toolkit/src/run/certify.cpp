@@ -1,7 +1,6 @@
 #include "certify.h"
 
 #include "mesh_cells.h"
-#include "periodic_nodes.h"
 #include "validity_json.h"
 
 #include <recurve/volume/restore_validity.h>
@@ -61,8 +60,8 @@ class Certifying
 {
 public:
   Certifying(Curved_mesh& mesh, std::span<const Node_state> states, const Face_selection& is_boundary,
-             const Restoration_options& options)
-    : mesh_(mesh), states_(states), is_boundary_(is_boundary), options_(options), cells_(mesh)
+             std::span<const std::array<Index, 2>> linked, const Restoration_options& options)
+    : mesh_(mesh), states_(states), is_boundary_(is_boundary), options_(options), cells_(mesh), linked_(linked)
   {
     result_.bounds = Cell_bounds(cells_.count);
   }
@@ -72,11 +71,10 @@ public:
     straight_ = straight_positions(mesh_, cells_);
     find_displaced();
     find_roles();
-    const std::vector<std::array<Index, 2>> linked = periodic_nodes(mesh_);
     node_factors_.resize(mesh_.nodes.size());
     Step_counter steps(progress, "certify", 2 * cells_.count);
     result_.restoration =
-      restore_validity(mesh_.nodes, straight_, cells_.blocks, mesh_.degree, {roles_, linked, node_factors_}, options_,
+      restore_validity(mesh_.nodes, straight_, cells_.blocks, mesh_.degree, {roles_, linked_, node_factors_}, options_,
                        [&](Index block, Index element, const Jacobian_bounds& bounds) {
                          const auto n = static_cast<std::size_t>(cells_.number(block, element));
                          result_.bounds.scaled[n] = bounds.scaled;
@@ -227,6 +225,7 @@ private:
   const Face_selection& is_boundary_;
   const Restoration_options& options_;
   Mesh_cells cells_;
+  std::span<const std::array<Index, 2>> linked_;
   std::vector<Point> straight_;
   std::vector<std::uint8_t> is_displaced_;
   std::vector<Node_role> roles_;
@@ -260,10 +259,10 @@ Json json_of_faces(const std::vector<Reduced_face>& faces)
 } // namespace
 
 Certification certify_and_restore(Curved_mesh& mesh, std::span<const Node_state> states,
-                                  const Face_selection& is_boundary, const Restoration_options& options,
-                                  const Progress_callback& progress)
+                                  const Face_selection& is_boundary, std::span<const std::array<Index, 2>> linked,
+                                  const Restoration_options& options, const Progress_callback& progress)
 {
-  return Certifying(mesh, states, is_boundary, options).run(progress);
+  return Certifying(mesh, states, is_boundary, linked, options).run(progress);
 }
 
 std::vector<Cell_field> cell_fields(const Certification& certification)

@@ -3,6 +3,8 @@
 #include "certify.h"
 #include "deform_mesh.h"
 #include "node_placement.h"
+#include "periodic_motion.h"
+#include "record_jacobians.h"
 #include "surface_passes.h"
 
 #include <recurve/core/exceptions.h>
@@ -56,18 +58,26 @@ public:
     make_surface();
     find_features(surface_, linear_, structure_.joined, options_, report_, progress_);
     raise_degree();
+    if (options_.record_jacobians)
+      run_stage("bound Jacobians", report_.stages, progress_, [&] { recorder_.record_straight(curved_); });
     if (options_.degree > 1)
     {
       place_nodes();
+      if (options_.record_jacobians && options_.deform)
+        record_undeformed();
       if (options_.deform)
         deform();
       else
         blend();
+      if (options_.record_jacobians)
+        record(curved_.nodes, states_, options_.deform ? "deformed" : "curved");
     }
     else
       find_source_faces();
     if (options_.certify)
       certify();
+    if (options_.certify && options_.record_jacobians && options_.degree > 1)
+      record(curved_.nodes, states_, "certified");
     states_ = {};
     count_straight_cells();
     return std::move(curved_);
@@ -205,24 +215,53 @@ private:
     return zone(listed).patches[static_cast<std::size_t>(listed.patch)];
   }
 
-  void blend()
+  /// all zones at once: they share nodes. A face of a patch is a face of a cell, so the cells do.
+  std::vector<Element_block> cell_blocks() const
   {
-    // All zones at once: they share nodes. A face of a patch is a face of a cell, so the cells do.
     std::vector<Element_block> blocks;
     for (const Curved_zone& zone : curved_.zones)
       for (const Curved_section& section : zone.cells)
         blocks.push_back({section.type, section.nodes});
+    return blocks;
+  }
+
+  void blend()
+  {
     const Blend_report blend = run_stage("blend interior", report_.stages, progress_, [&] {
-      return blend_interior(curved_.nodes, states_, blocks, options_.degree);
+      return blend_interior(curved_.nodes, states_, cell_blocks(), options_.degree);
     });
     report_.blended_nodes = blend.blended_nodes;
+  }
+
+  /// pairs of nodes on the two sides of periodic patches.
+  std::vector<std::array<Index, 2>> linked_nodes() const
+  {
+    std::vector<std::array<Index, 2>> linked;
+    for (const Periodic_nodes& periodic : find_periodic_nodes(curved_, options_.periodic))
+      linked.insert(linked.end(), periodic.pairs.begin(), periodic.pairs.end());
+    return linked;
   }
 
   void certify()
   {
     report_.certification = run_stage("certify", report_.stages, progress_, [&] {
-      return certify_and_restore(curved_, states_, selection_, options_.restoration, progress_);
+      return certify_and_restore(curved_, states_, selection_, linked_nodes(), options_.restoration, progress_);
     });
+  }
+
+  void record(std::span<const Point> nodes, std::span<const Node_state> states, std::string name)
+  {
+    run_stage("bound Jacobians", report_.stages, progress_,
+              [&] { recorder_.record(curved_, nodes, states, std::move(name)); });
+  }
+
+  /// what the cells would be like without deformation.
+  void record_undeformed()
+  {
+    std::vector<Point> nodes = curved_.nodes;
+    std::vector<Node_state> states = states_;
+    blend_interior(nodes, states, cell_blocks(), options_.degree);
+    record(nodes, states, "curved");
   }
 
   void deform()
@@ -248,6 +287,7 @@ private:
   Boundary_surface surface_;
   Curved_mesh curved_;
   std::vector<Node_state> states_;
+  Jacobian_recorder recorder_{report_.jacobians};
 };
 
 } // namespace

@@ -17,6 +17,7 @@ Json json_of(const Curving_options& options)
 {
   return {{"degree", options.degree},
           {"fit_degree", options.effective_fit_degree()},
+          {"fit_preset", fit_preset_name(options.fit_preset)},
           {"largest_displacement", options.largest_displacement},
           {"curve", options.curve},
           {"keep", options.keep},
@@ -26,6 +27,8 @@ Json json_of(const Curving_options& options)
            {{"use_connectivity", options.join.use_connectivity},
             {"use_geometry", options.join.use_geometry},
             {"tolerance", options.join.tolerance}}},
+          {"periodic", options.periodic},
+          {"record_jacobians", options.record_jacobians},
           {"deform", options.deform},
           {"deformation",
            {{"length", options.deformation.length},
@@ -96,6 +99,8 @@ Json json_of_fits(const Curving_report& report)
           {"faces_of_degree", std::move(faces_of_degree)},
           {"planar_faces", report.fits.planar_faces},
           {"poor_stencils", report.fits.poor_stencils},
+          {"fits", report.fits.fits},
+          {"reduced_fits", report.fits.reduced_fits},
           {"stencil_vertices", report.fits.stencil_vertices},
           {"lowered_faces", report.fits.lowered_faces},
           {"lowered_by_reason", std::move(reasons)},
@@ -117,6 +122,7 @@ Json json_of(const Deformation_summary& deformation)
   return {{"length", deformation.length},
           {"planar_patches", deformation.planar_patches},
           {"planar_nodes", deformation.planar_nodes},
+          {"periodic_pairs", deformation.periodic_pairs},
           {"blended_face_nodes", deformation.blended_face_nodes},
           {"sources", field.sources},
           {"moving_sources", field.moving_sources},
@@ -128,6 +134,25 @@ Json json_of(const Deformation_summary& deformation)
           {"moved_nodes", deformation.moved_nodes},
           {"negligible_nodes", deformation.negligible_nodes},
           {"largest_displacement", deformation.largest_displacement}};
+}
+
+Json json_of(const Jacobian_history& history)
+{
+  Json json = Json::array();
+  for (const Jacobian_stage& stage : history.stages)
+  {
+    const Jacobian_report::Verdicts verdicts = stage.bounds.total();
+    json.push_back({{"stage", stage.name},
+                    {"valid", verdicts.valid},
+                    {"invalid", verdicts.invalid},
+                    {"undecided", verdicts.undecided},
+                    {"inverted", stage.inverted},
+                    {"wrong_before", stage.wrong_before},
+                    {"least_scaled", stage.bounds.least.scaled},
+                    {"least_at", stage.bounds.least.position},
+                    {"histogram", stage.bounds.histogram}});
+  }
+  return json;
 }
 
 Json json_of(const std::vector<Stage_time>& stages)
@@ -164,6 +189,7 @@ std::string to_json(const Curving_report& report)
       {"largest_relative", json_of(report.largest_relative_displacement)}}},
     {"cells",
      {{"total", report.cells}, {"straight", report.straight_cells}, {"curved", report.cells - report.straight_cells}}},
+    {"jacobians", json_of(report.jacobians)},
     {"validity", json_of(report.certification)},
     {"seconds", report.seconds},
     {"stages", json_of(report.stages)},

@@ -1,5 +1,6 @@
 #include "deform_mesh.h"
 
+#include "periodic_motion.h"
 #include "planar_regions.h"
 
 #include <recurve/elements/node_layout.h>
@@ -56,11 +57,15 @@ public:
     field_.assign(mesh_.nodes.size(), zero);
     list_sources();
     take_displacements(sources_);
+    list_periodic_nodes();
+    copy_periodic_nodes();
     move_planar_patches();
     blend_other_faces();
+    copy_periodic_nodes();
     move_interior();
     find_local_lengths();
     apply();
+    copy_periodic_nodes();
     return summary_;
   }
 
@@ -141,20 +146,39 @@ private:
     }
   }
 
-  /// whether the rim of `region` moves, and nowhere out of the plane: a facet of a curved surface does.
+  /// whether `region` moves, and within its plane: a facet of a curved surface leaves it.
   bool moves_within(const Planar_region& region, const Region_nodes& nodes)
   {
-    constexpr double tolerance = 1e-6; // of the displacement; what rounding leaves of it out of the plane is less
+    // What rounding leaves of a displacement out of the plane is less: of its length, and of L, as the corners of a
+    // plane are rounded too.
+    constexpr double tolerance = 1e-6, rounding = 1e-9;
 
-    double largest = 0, largest_out = 0;
-    for (const Index node : nodes.rim)
-    {
-      largest = std::max(largest, length(field(node)));
-      largest_out = std::max(largest_out, length(difference(field(node), along_plane(region, field(node)))));
-    }
-    for (const Index node : nodes.inside)
-      largest_out = std::max(largest_out, length(difference(field(node), along_plane(region, field(node)))));
-    return largest > 0 && largest_out <= tolerance * largest;
+    // A few nodes at a corner of the rim, where a wall of a single face has no say in its edge, do not make a symmetry
+    // plane a facet; all nodes of a facet's rim leave its plane.
+    constexpr double least_share = 0.9;
+
+    Index moving = 0, within = 0;
+    for (const std::vector<Index>* list : {&nodes.rim, &nodes.inside})
+      for (const Index node : *list)
+        if (const double way = length(field(node)); way > 0)
+        {
+          ++moving;
+          within += length(difference(field(node), along_plane(region, field(node)))) <=
+                    std::max(tolerance * way, rounding * summary_.length);
+        }
+    return moving > 0 && static_cast<double>(within) >= least_share * static_cast<double>(moving);
+  }
+
+  /// takes a node of the rim back to the plane, if it has left it.
+  void put_into_plane(const Planar_region& region, Index node)
+  {
+    const Point within = along_plane(region, field(node));
+    if (within == field(node))
+      return;
+    field(node) = within;
+    const Point& straight = straight_[source_number(node)];
+    mesh_.nodes[static_cast<std::size_t>(node)] = {straight[0] + within[0], straight[1] + within[1],
+                                                   straight[2] + within[2]};
   }
 
   void move_planar_patch(const Planar_region& region, const Region_nodes& nodes)
@@ -163,8 +187,9 @@ private:
     std::vector<Point> positions, given, targets, result(nodes.inside.size());
     for (const Index node : nodes.rim)
     {
+      put_into_plane(region, node);
       positions.push_back(at(node));
-      given.push_back(along_plane(region, field(node)));
+      given.push_back(field(node));
     }
     for (const Index node : nodes.inside)
       targets.push_back(at(node));
@@ -191,6 +216,42 @@ private:
     summary_.blended_face_nodes = blend_interior(mesh_.nodes, states_, blocks, mesh_.degree).blended_nodes;
     for (const Element_block& block : blocks)
       take_displacements(block.nodes);
+  }
+
+  void list_periodic_nodes()
+  {
+    periodic_ = find_periodic_nodes(mesh_, options_.periodic);
+    for (Periodic_nodes& periodic : periodic_)
+    {
+      std::erase_if(periodic.pairs, [&](const auto& pair) {
+        return !std::ranges::binary_search(sources_, pair[0]) || !std::ranges::binary_search(sources_, pair[1]);
+      });
+      summary_.periodic_pairs += static_cast<Index>(periodic.pairs.size());
+    }
+  }
+
+  /// gives the image of each node of a periodic patch the image of the node's displacement.
+  void copy_periodic_nodes()
+  {
+    for (const Periodic_nodes& periodic : periodic_)
+      for (const auto& [node, image] : periodic.pairs)
+      {
+        const Point& straight = straight_[source_number(node)];
+        const Point& straight_image = straight_[source_number(image)];
+        field(image) = periodic.period.image_of_displacement(field(node));
+        states_[static_cast<std::size_t>(image)] = states_[static_cast<std::size_t>(node)];
+        Point& place = mesh_.nodes[static_cast<std::size_t>(image)];
+        place = straight_image;
+        if (!is_displaced(states_[static_cast<std::size_t>(node)]))
+          continue;
+        // Where the straight-sided mesh is periodic to the bit, so is the curved one.
+        const Point displacement = periodic.period.image_of_displacement(difference(position(node), straight));
+        if (periodic.period.image(straight) == straight_image)
+          place = periodic.period.image(position(node));
+        else
+          for (std::size_t d = 0; d < 3; ++d)
+            place[d] += displacement[d];
+      }
   }
 
   // The interior. -----------------------------------------------------------------------------------------------------
@@ -363,10 +424,11 @@ private:
   std::vector<char> is_planar_face_;    ///< whether the face is in a planar patch that follows its rim
   std::vector<Index> sources_;          ///< nodes, ascending
   std::vector<Point> straight_;         ///< per source, where the straight-sided mesh has it
-  std::vector<Index> planar_nodes_;     ///< those inside planar patches that follow their rim
-  std::vector<Point> field_;            ///< per node
-  std::vector<double> local_length_;    ///< per node, set for corners
-  std::vector<std::uint8_t> is_done_;   ///< per node
+  std::vector<Periodic_nodes> periodic_;
+  std::vector<Index> planar_nodes_;   ///< those inside planar patches that follow their rim
+  std::vector<Point> field_;          ///< per node
+  std::vector<double> local_length_;  ///< per node, set for corners
+  std::vector<std::uint8_t> is_done_; ///< per node
 };
 
 } // namespace

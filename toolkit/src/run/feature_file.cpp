@@ -48,12 +48,14 @@ public:
         file.options.chain_angle = number(value, "chain_angle");
       else if (key == "corner_defect")
         file.options.corner_defect = number(value, "corner_defect");
+      else if (key == "tolerance")
+        file.options.tolerance = number(value, "tolerance");
       else if (key == "edit")
         for (const toml::node& edit : array(value, "edits are written as [[edit]]"))
           file.edits.push_back(read_edit(edit));
       else
-        fail(value, fmt::format("unknown key \"{}\"; keys are start, turning_angle, chain_angle, corner_defect and "
-                                "[[edit]]",
+        fail(value, fmt::format("unknown key \"{}\"; keys are start, turning_angle, chain_angle, corner_defect, "
+                                "tolerance and [[edit]]",
                                 key.str()));
     }
     check_options(file.options);
@@ -136,7 +138,8 @@ private:
     const toml::node* action = table.get("action");
     for (const auto& [key, value] : table)
     {
-      const auto kind = std::find_if(kinds.begin(), kinds.end(), [&k = key](const auto& k_) { return k == k_.first; });
+      const auto kind =
+        std::find_if(kinds.begin(), kinds.end(), [&k = key](const auto& known) { return k == known.first; });
       if (kind != kinds.end())
       {
         if (subject)
@@ -359,11 +362,11 @@ Feature_file read_feature_file(const std::filesystem::path& file)
 
 std::string to_toml(const Feature_file& file)
 {
-  std::string text =
-    fmt::format("# Changes to the feature curves of a mesh, for recurve.\nstart = \"{}\"\nturning_angle = {}\n"
-                "chain_angle = {}\ncorner_defect = {}\n",
-                file.starts_from_detection ? "auto" : "none", written(file.options.turning_angle),
-                written(file.options.chain_angle), written(file.options.corner_defect));
+  std::string text = fmt::format(
+    "# Changes to the feature curves of a mesh, for recurve.\nstart = \"{}\"\nturning_angle = {}\n"
+    "chain_angle = {}\ncorner_defect = {}\ntolerance = {}\n",
+    file.starts_from_detection ? "auto" : "none", written(file.options.turning_angle),
+    written(file.options.chain_angle), written(file.options.corner_defect), written(file.options.tolerance));
   for (const Feature_file_edit& edit : file.edits)
     text += written_edit(edit);
   return text;

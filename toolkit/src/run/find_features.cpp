@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
+#include <string>
 #include <utility>
 
 namespace recurve {
@@ -88,6 +90,24 @@ private:
   std::map<Point, std::vector<Boundary_surface::Vertex>> vertices_;
 };
 
+/// names of the patches on either side of `curve`.
+std::vector<std::string> patches_beside(const Feature_curve<Boundary_surface::Mesh>& curve,
+                                        const Boundary_surface& surface, const Volume_mesh& mesh)
+{
+  std::set<std::string> names;
+  for (const auto h : curve.halfedges)
+    for (const auto side : {h, surface.mesh.opposite(h)})
+    {
+      if (surface.mesh.is_border(side))
+        continue;
+      const Patch_face& listed = surface.face_patch[surface.mesh.face(side)];
+      if (listed.patch != no_index)
+        names.insert(
+          mesh.zones[static_cast<std::size_t>(listed.zone)].patches[static_cast<std::size_t>(listed.patch)].name);
+    }
+  return {names.begin(), names.end()};
+}
+
 } // namespace
 
 void find_features(Boundary_surface& surface, const Volume_mesh& mesh, const Joined_zones& joined,
@@ -110,11 +130,13 @@ void find_features(Boundary_surface& surface, const Volume_mesh& mesh, const Joi
   take_edited(report.features, std::move(edited.features));
 }
 
-void list_curves(Boundary_surface& surface, const Feature_edit_options& options, Feature_listing& listing)
+void list_curves(Boundary_surface& surface, const Volume_mesh& mesh, const Feature_edit_options& options,
+                 Feature_listing& listing)
 {
   mark_critical_vertices(surface.mesh, surface.edge_is_critical, surface.vertex_is_sharp, surface.vertex_is_critical);
   const Vertex_namer name(surface);
   listing.file = {.starts_from_detection = false, .options = options};
+  listing.file.options.tolerance = 0; // it names vertices to the last bit
   std::vector<Feature_edit> edits;
   for (const auto& curve : trace_feature_curves(surface.mesh, surface.edge_is_critical, surface.vertex_is_sharp))
   {
@@ -127,6 +149,7 @@ void list_curves(Boundary_surface& surface, const Feature_edit_options& options,
       record.vertices.push_back(name(surface.mesh.source(h)));
       record.vertices.push_back(name(surface.mesh.target(h)));
     }
+    listed.patches = patches_beside(curve, surface, mesh);
     if (!curve.is_closed)
       listed.points.push_back(position(surface, surface.mesh.target(curve.halfedges.back())));
   }

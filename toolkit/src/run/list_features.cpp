@@ -55,7 +55,8 @@ Feature_listing list_features(Volume_mesh mesh, const Curving_options& options, 
   find_features(surface, mesh, structure.joined, options, report, progress);
   Feature_listing listing;
   run_stage("list curves", report.stages, progress, [&] {
-    list_curves(surface, options.feature_edits ? options.feature_edits->options : Feature_edit_options{}, listing);
+    list_curves(surface, mesh, options.feature_edits ? options.feature_edits->options : Feature_edit_options{},
+                listing);
   });
   listing.report = std::move(report.features);
   return listing;
@@ -75,7 +76,10 @@ std::string to_csv(const Feature_listing& listing)
 
 std::string to_json(const Feature_listing& listing)
 {
-  return json_text(json_of(listing.report));
+  Json json = json_of(listing.report);
+  for (std::size_t i = 0; i < listing.curves.size(); ++i)
+    json["curves"][i]["patches"] = listing.curves[i].patches;
+  return json_text(json);
 }
 
 std::string to_vtp(const Feature_listing& listing)

@@ -20,7 +20,8 @@ void find_features(Boundary_surface& surface, const Volume_mesh& mesh, const Joi
                    const Curving_options& options, Curving_report& report, const Progress_callback& progress);
 
 /// fills curves, sharp points and file of `listing` from the flags of `surface`, and its `vertex_is_critical`.
-void list_curves(Boundary_surface& surface, const Feature_edit_options& options, Feature_listing& listing);
+void list_curves(Boundary_surface& surface, const Volume_mesh& mesh, const Feature_edit_options& options,
+                 Feature_listing& listing);
 
 /// stages "reconstruct surface" and "curve surface": fits polynomials and puts the nodes, and fills the report.
 void place_surface_nodes(const Boundary_surface& surface, const Curving_options& options, Node_placement& placement,

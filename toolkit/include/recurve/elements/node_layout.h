@@ -46,7 +46,8 @@ enum class Node_order : std::uint8_t
 {
   cgns, ///< SIDS; degree <= 4
   gmsh, ///< MSH 2.2 and 4.1; degree <= 6
-  vtk   ///< Lagrange cells of VTK >= 9.1 (files of version 2.2); degree <= 6; no pyramid
+  vtk,  ///< Lagrange cells of VTK >= 9.1 (files of version 2.2); degree <= 6; no pyramid
+  rows  ///< HOPR, and SU2 above degree 1: the lattice row by row, i fastest and k slowest; degree <= 6
 };
 
 bool has_node_order(Node_order order, Element_type type, int degree);

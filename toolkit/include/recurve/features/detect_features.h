@@ -39,10 +39,9 @@ template <class Graph, class EdgeIsCriticalMap, class VertexIsSharpMap, class Na
 Feature_report detect_features(const Graph& g, EdgeIsCriticalMap edge_is_critical, VertexIsSharpMap vertex_is_sharp,
                                const Feature_options& options = {}, const NamedParameters& params = no_parameters)
 {
-  static_assert(
-    only_names<NamedParameters, names::vertex_point_map, names::geom_traits, names::edge_is_constrained_map,
-               names::face_patch_map>,
-    "detect_features() takes vertex_point_map, geom_traits, edge_is_constrained_map and face_patch_map");
+  static_assert(only_names<NamedParameters, names::vertex_point_map, names::geom_traits, names::edge_is_constrained_map,
+                           names::face_patch_map>,
+                "detect_features() takes vertex_point_map, geom_traits, edge_is_constrained_map and face_patch_map");
   check(options);
   if (!has_parameter<NamedParameters, names::face_patch_map> && (options.patch_edges || options.smooth_patches))
     throw Input_error("feature options: patch_edges and smooth_patches need a face_patch_map");

@@ -6,6 +6,7 @@
 #include <recurve/features/feature_report.h>
 
 #include <array>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,7 +28,8 @@ enum class Feature_edit_kind
 /// A vertex of a surface as the user names it.
 struct Vertex_name
 {
-  Point position{};      ///< of the vertex, to the last bit; counts if `numbers` is empty
+  Point position{}; ///< of the vertex, to the last bit or to `Feature_edit_options::tolerance`; counts if `numbers` is
+                    ///< empty
   Index copy = no_index; ///< which one, where several vertices have this position, in the order of `vertices(g)`;
                          ///< no_index: all of them
   std::vector<Index> numbers{}; ///< the vertices that are meant, in the order of `vertices(g)`
@@ -48,7 +50,8 @@ struct Feature_edit
   /// `box`: its corners; an edge is in it if both its ends are, or on its sides.
   Point smallest{}, largest{};
 
-  /// `patches`: values of `face_patch_map`. no_index as the second one: any other patch, and the border.
+  /// `patches`: values of `face_patch_map`; twice the same: the edges inside this patch. no_index as the second one:
+  /// any other patch, and the border.
   std::array<Index, 2> patches{no_index, no_index};
 
   /// in degrees. `chain`: it ends where the dihedral angle is smaller (default: `Feature_edit_options::chain_angle` for
@@ -72,6 +75,10 @@ struct Feature_edit_options
   /// a sharp vertex that loses critical edges stays sharp, as an isolated corner, if its face angles miss 360 degrees
   /// by at least this.
   double corner_defect = 60;
+
+  /// where no vertex is exactly at a position that an edit names, the one within this distance is meant, in the unit of
+  /// the points: for positions that were typed. Two of them are an error.
+  double tolerance = 0;
 };
 
 /// checks the ranges of the fields. \throws Input_error naming field and value.
@@ -85,6 +92,8 @@ inline void check(const Feature_edit_options& options)
   in_range("turning_angle", options.turning_angle, 180);
   in_range("chain_angle", options.chain_angle, 180);
   in_range("corner_defect", options.corner_defect, 360);
+  if (!(options.tolerance >= 0 && options.tolerance < std::numeric_limits<double>::infinity()))
+    throw Input_error("feature edits: tolerance must be a length, but is " + std::to_string(options.tolerance));
 }
 
 /// A vertex on an edited curve at which exactly two critical edges meet.

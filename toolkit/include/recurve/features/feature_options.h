@@ -60,7 +60,8 @@ struct Feature_options
   bool border_ends = true;
 
   /// whether curves, and long parts of curves, are rejected along which the surface bends no more per length than
-  /// beside them: the edges of a coarse mesh of a smooth surface.
+  /// beside them: the edges of a coarse mesh of a smooth surface. Also networks of short curves of that kind, whatever
+  /// their angles: those of a rough surface; and, up to `sharp_angle`, the nose of a profile with few points.
   bool reject_smooth = true;
 
   /// [theta_c] edges with a dihedral angle above this are safe from `reject_smooth`.
@@ -70,9 +71,9 @@ struct Feature_options
   /// multiple of that beside it. Without unit.
   double smooth_contrast = 2;
 
-  /// a long curve (of more than `strong_edges` edges) is kept in spite of doubtful ends if at two thirds of its edges
-  /// the bending per length is more than this multiple of that beside it: a crease that fades out. Infinity: none is.
-  /// Without unit.
+  /// a curve with doubtful ends is kept if at two thirds of its edges the bending per length is more than this multiple
+  /// of that beside it: a crease that fades out. One of up to `strong_edges` edges must lead from one sharp feature to
+  /// another and bend so all along: the seam of a chamfered bar. Infinity: none is kept. Without unit.
   double crease_contrast = 3;
 
   /// the one threshold of `Feature_method::dihedral`.

@@ -24,8 +24,9 @@ enum class Rejection
   doubtful,     ///< both ends are doubtful, and the curve has too few strong edges
   overshadowed, ///< a weak curve, doubtful at an end, between two sharp features: noise beside them
   smooth,       ///< the surface bends beside the curve as it does along it: a coarse mesh of a smooth surface
+  rough,        ///< one of a network of short curves beside which the surface bends as along them: a rough surface
 };
-inline constexpr int number_of_rejections = 4;
+inline constexpr int number_of_rejections = 5;
 
 /// A feature curve in a `Feature_report`. Vertices count in the order of `vertices(g)`.
 struct Feature_curve_summary
@@ -99,7 +100,7 @@ constexpr std::string_view to_string(Curve_end end)
 /// the word of a report for `reason`.
 constexpr std::string_view to_string(Rejection reason)
 {
-  constexpr std::string_view words[] = {"dangling", "doubtful", "overshadowed", "smooth"};
+  constexpr std::string_view words[] = {"dangling", "doubtful", "overshadowed", "smooth", "rough"};
   return words[static_cast<int>(reason)];
 }
 

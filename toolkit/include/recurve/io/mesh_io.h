@@ -4,14 +4,20 @@
 #include <recurve/core/progress.h>
 #include <recurve/io/cgns.h>
 #include <recurve/io/gmsh.h>
+#include <recurve/io/hopr.h>
 #include <recurve/io/pending_file.h>
+#include <recurve/io/su2.h>
+#include <recurve/io/ugrid.h>
 #include <recurve/io/vtk.h>
 #include <recurve/io/zonal_mesh.h>
 #include <recurve/mesh/curved_mesh.h>
 
+#include <array>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace recurve {
@@ -22,6 +28,29 @@ struct Write_options
   Msh_options msh;
 };
 
+/// What a mesh may say beyond nodes, elements, patches and their names, and what not every format holds.
+enum class Mesh_content : std::uint8_t
+{
+  zones,       ///< more than one, with names
+  bars,        ///< lines
+  families,    ///< groups of patches and zones
+  kinds,       ///< kinds of boundary conditions
+  connections, ///< other than those that sharing nodes says: overlapping or not one to one
+  periodicity, ///< periodic connections
+  units,
+  descriptors ///< free texts
+};
+
+inline constexpr std::array<Mesh_content, 8> all_mesh_content = {
+  Mesh_content::zones,       Mesh_content::bars,        Mesh_content::families, Mesh_content::kinds,
+  Mesh_content::connections, Mesh_content::periodicity, Mesh_content::units,    Mesh_content::descriptors};
+
+/// "zones", "kinds of boundary conditions", ...
+std::string_view content_name(Mesh_content content);
+
+/// whether `mesh` says anything of the kind.
+bool has_content(const Curved_mesh& mesh, Mesh_content content);
+
 /// A file format as the program knows it: one row of the registry.
 struct Mesh_format
 {
@@ -29,6 +58,10 @@ struct Mesh_format
   std::vector<std::string> extensions; ///< ".cgns", in lower case
   int largest_degree_read = 0;         ///< 0: cannot be read
   int largest_degree_written = 0;      ///< 0: cannot be written
+  std::vector<Mesh_content> content;   ///< what it holds when it is written
+  std::string shortened;               ///< what it holds in part, for the documentation
+  std::string versions;                ///< of the format, for the documentation
+  std::string readers;                 ///< programs that read what is written, for the documentation
   std::function<Zonal_mesh(const std::filesystem::path&, Read_report*, const Progress_callback&)>
     read; ///< empty: cannot be read
   std::function<void(const Curved_mesh&, const std::filesystem::path&, const std::vector<Cell_field>&,
@@ -58,6 +91,12 @@ Curved_mesh read_curved_mesh(const std::filesystem::path& file, Read_report* rep
 /// checks that a mesh of degree `degree` can be written to `file`, as far as its name tells, so that a program can
 /// refuse before the work. \throws Input_error if the format is unknown or does not hold the degree.
 void check_writable(const std::filesystem::path& file, int degree);
+
+/// the formats as a table in Markdown: what the README shows.
+std::string format_table();
+
+/// what `mesh` says and `format` does not hold, as one line without the name of a file; empty if nothing is lost.
+std::string describe_loss(const Mesh_format& format, const Curved_mesh& mesh);
 
 /// writes a mesh by the extension of `file`, beside the target first and renamed when complete: a failed run leaves no
 /// file and keeps an old one. \throws Input_error as check_writable(); Format_error if writing fails.

@@ -2,6 +2,7 @@
 #define RECURVE_IO_VTK_H
 
 #include <recurve/core/progress.h>
+#include <recurve/io/zonal_mesh.h>
 #include <recurve/mesh/curved_mesh.h>
 
 #include <filesystem>
@@ -32,10 +33,18 @@ struct Cell_field
 /// - `is_straight`: 1 where `Curved_zone::is_straight` says so, else 0; -1 for faces
 /// - each of `fields`: NaN for faces
 ///
+/// The field data `pyramid_nodes` list the nodes of pyramids in canonical order, for read_vtu().
+///
 /// \throws Input_error if a field has not one value per cell, or a name that is taken or empty; Format_error if writing
 /// fails; no file is left then. \par Complexity  linear; memory for one number per face, the rest is streamed.
 void write_vtu(const Curved_mesh& mesh, const std::filesystem::path& file, const std::vector<Cell_field>& fields = {},
                const Progress_callback& progress = {});
+
+/// reads what write_vtu() wrote: zones, patches and every node of cells and patches to the bit. The files of other
+/// programs are refused, since they say nothing of zones and patches, nor which hexahedra are pyramids.
+/// \throws Format_error naming point and cell. \par Complexity  linear.
+Zonal_mesh read_vtu(const std::filesystem::path& file, Read_report* report = nullptr,
+                    const Progress_callback& progress = {});
 
 } // namespace recurve
 

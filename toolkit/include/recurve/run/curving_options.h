@@ -8,11 +8,26 @@
 #include <recurve/volume/restoration_report.h>
 
 #include <algorithm>
+#include <array>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace recurve {
+
+/// How the surface is reconstructed.
+enum class Fit_preset
+{
+  standard, ///< "default": fits of vertices, blended (`fit_vertices()`), and feature curves of the same degree
+  paper     ///< fits of faces as in Ims & Wang 2018 (`reconstruct_surface()`), and cubic splines
+};
+
+/// "default" or "paper", as in options and reports.
+constexpr std::string_view fit_preset_name(Fit_preset preset)
+{
+  return preset == Fit_preset::paper ? "paper" : "default";
+}
 
 /// What a conversion may vary.
 struct Curving_options
@@ -20,6 +35,8 @@ struct Curving_options
   int degree = 2; ///< degree p of the elements, 1 to 6; 1 leaves every cell as it is
 
   int fit_degree = 0; ///< degree d of the local polynomials, 1 to 6; 0: max(2, degree)
+
+  Fit_preset fit_preset = Fit_preset::standard;
 
   /// a fit that moves its face farther than this is taken at a lower degree; in sizes of the face (largest distance of
   /// a corner from the centre). Half a size is the rise of an arc of more than 100 degrees over one face: beyond it the
@@ -37,6 +54,10 @@ struct Curving_options
   std::optional<Feature_file> feature_edits = {}; ///< applied after detection, or instead
   Join_options join = {};
 
+  /// pairs of patches that are a translation apart and have to stay so, by their names; with those that the mesh calls
+  /// periodic itself.
+  std::vector<std::array<std::string, 2>> periodic = {};
+
   /// whether nodes inside the mesh follow the curved surface through all layers (see doc/deform_interior.md); else only
   /// cells that touch it are bent.
   bool deform = true;
@@ -49,6 +70,10 @@ struct Curving_options
 
   bool certify = true;                  ///< certify the result and give up curvature where that fails
   Restoration_options restoration = {}; ///< how
+
+  /// whether to bound the Jacobians of all cells before and after each step, for `Curving_report::jacobians`. That
+  /// needs time, and memory for a second copy of the nodes.
+  bool record_jacobians = false;
 
   int threads = 0; ///< largest number of threads; 0: as many as there are. The result does not depend on it
 

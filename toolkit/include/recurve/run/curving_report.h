@@ -5,6 +5,7 @@
 #include <recurve/run/certification.h>
 #include <recurve/run/curving_options.h>
 #include <recurve/run/deformation_summary.h>
+#include <recurve/run/jacobian_history.h>
 #include <recurve/run/mesh_summary.h>
 #include <recurve/run/stages.h>
 #include <recurve/surface/reconstruction_report.h>
@@ -74,6 +75,7 @@ struct Curving_report
 
   Index cells = 0, straight_cells = 0;
   Certification certification; ///< whether the cells are certified to be valid
+  Jacobian_history jacobians;  ///< if `Curving_options::record_jacobians`
 
   std::vector<Stage_time> stages;
   double seconds = 0;

@@ -42,6 +42,7 @@ struct Feature_file
 /// turning_angle = 40      # a curve that turns by more has a sharp vertex there; degrees
 /// chain_angle = 10        # a chain ends where the dihedral angle is smaller
 /// corner_defect = 60      # see Feature_edit_options
+/// tolerance = 0           # distance within which a position means the one vertex there, for positions that were typed
 ///
 /// [[edit]]
 /// action = "add"                                      # or "remove"
@@ -67,7 +68,7 @@ struct Feature_file
 ///
 /// [[edit]]
 /// action = "add"
-/// patches = ["upper", "lower"]                        # or ["upper"]: against all others
+/// patches = ["upper", "lower"]                        # or ["upper"]: against all others; ["upper", "upper"]: inside
 ///
 /// [[edit]]
 /// action = "mark"                                     # as sharp; or "unmark"

@@ -18,15 +18,16 @@ struct Listed_curve
 {
   std::vector<Point> points; ///< in their order; a closed curve does not repeat the first
   bool is_closed = false;
+  std::vector<std::string> patches; ///< names of the patches beside it, in alphabetical order
 };
 
 /// The features of a mesh as curve_mesh() would see them.
 struct Feature_listing
 {
   Feature_report report;
-  std::vector<Listed_curve> curves;
-  std::vector<Point> sharp_points; ///< of the sharp vertices, in their order
-  Feature_file file;               ///< edits that give the same features, to the bit, without detection
+  std::vector<Listed_curve> curves; ///< in the order of `report.curves`
+  std::vector<Point> sharp_points;  ///< of the sharp vertices, in their order
+  Feature_file file;                ///< edits that give the same features, to the bit, without detection
 };
 
 /// finds the features of `mesh` with the fields `curve`, `keep`, `features`, `feature_edits` and `join` of `options`.
@@ -38,7 +39,8 @@ Feature_listing list_features(Volume_mesh mesh, const Curving_options& options =
 /// which several of the surface stand is listed once.
 std::string to_csv(const Feature_listing& listing);
 
-/// `report` as JSON, the same object as the key "features" of the report of a conversion.
+/// `report` as JSON, the same object as the key "features" of the report of a conversion, with `patches` for each
+/// curve.
 std::string to_json(const Feature_listing& listing);
 
 /// VTK XML poly data: sharp vertices as vertices, curves as lines; cell data `curve` (-1 for vertices) and `is_closed`.

@@ -16,7 +16,10 @@ enum class Lowering_reason : std::uint8_t
 {
   not_finite,   ///< a coefficient was infinite or not a number
   displacement, ///< the fit moved the face farther than `Reconstruction_options::largest_displacement`
-  no_normal     ///< the face has no area, hence no tangent plane: straight at once
+  no_normal,    ///< the face has no area, hence no tangent plane: straight at once
+  undetermined, ///< the points around do not tell the terms of the degree apart
+  disagreement  ///< the fits at the two ends of an edge differed by more than
+                ///< `Vertex_fit_options::largest_disagreement`
 };
 
 /// "not finite", ... in lower case, as in reports.
@@ -27,6 +30,8 @@ constexpr std::string_view lowering_reason_name(Lowering_reason reason)
   case Lowering_reason::not_finite: return "not finite";
   case Lowering_reason::displacement: return "displacement";
   case Lowering_reason::no_normal: return "no normal";
+  case Lowering_reason::undetermined: return "undetermined";
+  case Lowering_reason::disagreement: return "disagreement";
   }
   return "";
 }
@@ -44,10 +49,13 @@ struct Reconstruction_report
 {
   Index faces = 0;
   std::array<Index, max_fit_degree + 1> faces_of_degree = {}; ///< by degree of their fit; planar ones are in [0]
-  Index planar_faces = 0;     ///< surface around them planar to round-off: flat fit, not lowered
-  Index lowered_faces = 0;    ///< faces with an entry in `lowerings`
-  Index poor_stencils = 0;    ///< curved fits from fewer points than coefficients: the solver's early stop decided
-  Index stencil_vertices = 0; ///< sum of the stencil sizes of the fits kept; over `faces - planar_faces` it is the mean
+  Index planar_faces = 0;          ///< surface around them planar to round-off: flat fit, not lowered
+  Index lowered_faces = 0;         ///< faces with an entry in `lowerings`
+  Index poor_stencils = 0;         ///< curved fits from fewer points than coefficients: the solver's early stop decided
+  Index stencil_vertices = 0;      ///< sum of the stencil sizes of the fits kept; over `fits` it is the mean
+  Index fits = 0;                  ///< polynomials that are not flat: of faces, or of vertices
+  Index reduced_fits = 0;          ///< fits of vertices with a lower degree than was asked for. Where that is still the
+                                   ///< degree of the rate, `lowerings` does not list their faces
   std::vector<Lowering> lowerings; ///< ascending by face
 
   /// \param other  report of further faces; its face numbers are kept as they are.
@@ -60,6 +68,8 @@ struct Reconstruction_report
     lowered_faces += other.lowered_faces;
     poor_stencils += other.poor_stencils;
     stencil_vertices += other.stencil_vertices;
+    fits += other.fits;
+    reduced_fits += other.reduced_fits;
     lowerings.insert(lowerings.end(), other.lowerings.begin(), other.lowerings.end());
     return *this;
   }

@@ -14,6 +14,7 @@ struct Weighted_points
   std::span<const double> v;
   std::span<const double> height;
   std::span<const double> weight; ///< > 0
+  bool is_through_origin = false; ///< the polynomial has no constant term: its coefficient is to be 0
 
   std::size_t size() const { return u.size(); }
 };

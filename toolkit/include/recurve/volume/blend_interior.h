@@ -64,6 +64,7 @@ template <Point_range PointRange, class StateRange, Element_block_range BlockRan
 Blend_report blend_interior(PointRange&& nodes, StateRange&& states, const BlockRange& blocks, int degree)
 {
   std::vector<Element_block> views;
+  views.reserve(std::size(blocks));
   for (const auto& block : blocks)
     views.push_back({block.type, std::span<const Index>(block.nodes)});
   internal::Interior_blend blend(nodes, std::span<Node_state>(states), views, degree);

@@ -117,7 +117,8 @@ inline Detected detect(const Flat_surface& s, const std::vector<char>& constrain
   d.edge_is_critical.assign(ne, 0);
   if (options.method == Feature_method::dihedral)
     for (Index e = 0; e < ne; ++e)
-      d.edge_is_critical[e] = a.dihedral[e] > options.dihedral_angle && !(options.smooth_patches && a.is_told_smooth[e]);
+      d.edge_is_critical[e] =
+        a.dihedral[e] > options.dihedral_angle && !(options.smooth_patches && a.is_told_smooth[e]);
   if (options.method == Feature_method::classified)
   {
     const Edge_classes classes = Edge_classifier(s, a, options).run();

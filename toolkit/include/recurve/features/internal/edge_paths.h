@@ -62,16 +62,16 @@ private:
   /// ends the search at the first vertex of the set.
   struct Stop_at : boost::default_dijkstra_visitor
   {
-    explicit Stop_at(const std::vector<Index>& vertices) : vertices_(&vertices) {}
+    explicit Stop_at(const std::vector<Index>& vertices) : targets(&vertices) {}
 
     template <class Vertex, class Graph>
     void examine_vertex(Vertex v, const Graph&) const
     {
-      if (std::find(vertices_->begin(), vertices_->end(), static_cast<Index>(v)) != vertices_->end())
+      if (std::find(targets->begin(), targets->end(), static_cast<Index>(v)) != targets->end())
         throw Found();
     }
 
-    const std::vector<Index>* vertices_;
+    const std::vector<Index>* targets;
   };
 
   const Flat_surface& s_;

@@ -26,7 +26,7 @@ public:
                  const Feature_edit_options& options, std::vector<char> edge_is_critical,
                  std::vector<char> vertex_is_sharp)
     : s_(surface), angles_(measure_angles(surface, constrained)), patch_(std::move(patch_of_face)), options_(options),
-      critical_(std::move(edge_is_critical)), sharp_(std::move(vertex_is_sharp)), names_(surface),
+      critical_(std::move(edge_is_critical)), sharp_(std::move(vertex_is_sharp)), names_(surface, options.tolerance),
       out_(sorted_out_halfedges(surface))
   {}
 
@@ -235,7 +235,7 @@ private:
   {
     if (patch_.empty() && s_.number_of_faces() > 0)
       fail("edges between patches need a face_patch_map");
-    const auto [p, q] = edit.patches;
+    const Index p = edit.patches[0], q = edit.patches[1];
     const auto is_between = [&](Index e) {
       const auto patch_at = [&](Index h) { return s_.face[h] == no_index ? no_index : patch_[s_.face[h]]; };
       const Index a = patch_at(2 * e), b = patch_at(2 * e + 1);

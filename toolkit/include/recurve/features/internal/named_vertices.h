@@ -26,32 +26,31 @@ inline std::string written(const Point& p)
 class Named_vertices
 {
 public:
-  explicit Named_vertices(const Flat_surface& surface) : s_(surface), sorted_(surface.points.size())
+  Named_vertices(const Flat_surface& surface, double tolerance)
+    : s_(surface), tolerance_(tolerance), sorted_(surface.points.size())
   {
     std::iota(sorted_.begin(), sorted_.end(), Index{0});
     std::stable_sort(sorted_.begin(), sorted_.end(), [&](Index a, Index b) { return s_.points[a] < s_.points[b]; });
   }
 
-  /// the vertices that `name` means, ascending.
+  /// the vertices that `name` means, ascending: at its position, or the one position within the tolerance of it.
   /// \throws Input_error that begins with `origin` and names the nearest vertices if there is none.
   std::vector<Index> find(const Vertex_name& name, const std::string& origin) const
   {
     if (!name.numbers.empty())
       return checked_numbers(name, origin);
-    const auto before = [&](Index v, const Point& p) { return s_.points[v] < p; };
-    const auto first = std::lower_bound(sorted_.begin(), sorted_.end(), name.position, before);
-    auto last = first;
-    while (last != sorted_.end() && s_.points[*last] == name.position)
-      ++last;
-    if (first == last)
+    std::vector<Index> found = at(name.position);
+    if (found.empty() && tolerance_ > 0)
+      found = near(name.position, origin);
+    if (found.empty())
       fail(origin + ": there is no vertex at " + written(name.position) + "; the nearest are at " +
-           nearest(name.position, all_vertices()));
+           nearest(name.position, sorted_));
     if (name.copy == no_index)
-      return {first, last};
-    if (name.copy < 0 || name.copy >= last - first)
-      fail(origin + ": there are only " + std::to_string(last - first) + " vertices at " + written(name.position) +
+      return found;
+    if (name.copy < 0 || name.copy >= std::ssize(found))
+      fail(origin + ": there are only " + std::to_string(found.size()) + " vertices at " + written(name.position) +
            ", counted from 0, but copy " + std::to_string(name.copy) + " is named");
-    return {*(first + name.copy)};
+    return {found[static_cast<std::size_t>(name.copy)]};
   }
 
   /// the positions of the up to three of `candidates` that are nearest to `p`.
@@ -79,9 +78,31 @@ private:
     return name.numbers;
   }
 
-  std::vector<Index> all_vertices() const { return sorted_; }
+  /// the vertices at exactly `p`, ascending.
+  std::vector<Index> at(const Point& p) const
+  {
+    const auto before = [&](Index v, const Point& q) { return s_.points[v] < q; };
+    const auto first = std::lower_bound(sorted_.begin(), sorted_.end(), p, before);
+    auto last = first;
+    while (last != sorted_.end() && s_.points[*last] == p)
+      ++last;
+    return {first, last};
+  }
+
+  /// the vertices at the one position within the tolerance of `p`; none if there is none.
+  std::vector<Index> near(const Point& p, const std::string& origin) const
+  {
+    std::vector<Index> found;
+    for (const Index v : sorted_)
+      if (norm(s_.points[v] - p) <= tolerance_)
+        found.push_back(v);
+    if (!found.empty() && s_.points[found.front()] != s_.points[found.back()])
+      fail(origin + ": several vertices are within the tolerance of " + written(p) + ": " + nearest(p, found));
+    return found;
+  }
 
   const Flat_surface& s_;
+  double tolerance_;
   std::vector<Index> sorted_; ///< by position, then by number
 };
 

@@ -42,6 +42,10 @@ public:
       gather();
       rejected_.clear();
       for_each_curve([&](std::vector<Index>& curve, bool is_closed) { judge(curve, is_closed, report); });
+      if (rejected_.empty() && options_.reject_smooth)
+        reject_noses(report);
+      if (rejected_.empty() && options_.reject_smooth)
+        reject_rough_networks(report);
       for (const Index e : rejected_)
         is_kept_[e] = false;
       has_changed = !rejected_.empty();
@@ -216,6 +220,29 @@ private:
     if (std::count_if(curve.begin(), curve.end(), [&](Index h) { return is_touched_[s_.source_of(h)] != 0; }) > 1)
       return;
     const double safe_angle = std::min(options_.smooth_angle, options_.sharp_angle);
+    reject_parts(curve, is_closed, safe_angle, report, [&](std::span<const Index> part) { return is_smooth(part); });
+  }
+
+  /// rejects long curves, or long parts of them, that are the nose of a profile with few points: it can be steep, but
+  /// the surface bends on both sides of it, and not at another crease.
+  void reject_noses(Feature_report& report)
+  {
+    std::fill(is_walked_.begin(), is_walked_.end(), 0);
+    for_each_curve([&](std::vector<Index>& curve, bool is_closed) {
+      // where a surface is rough, short ones are like that by chance
+      if (!is_closed && std::ssize(curve) > options_.strong_edges)
+        reject_parts(curve, false, options_.sharp_angle, report, [&](std::span<const Index> part) {
+          return median_of(part, [&](Index e) { return contrast_.on_flatter_side(e, is_kept_); }) <
+                 options_.crease_contrast;
+        });
+    });
+  }
+
+  /// rejects those maximal parts of `curve` without an edge above `safe_angle` that `is_to_go` says.
+  template <class Predicate>
+  void reject_parts(std::vector<Index>& curve, bool is_closed, double safe_angle, Feature_report& report,
+                    Predicate is_to_go)
+  {
     const auto is_safe = [&](Index h) { return a_.dihedral[h / 2] > safe_angle; };
     if (is_closed)
       std::rotate(curve.begin(), std::find_if(curve.begin(), curve.end(), is_safe), curve.end());
@@ -225,10 +252,53 @@ private:
       const auto last = std::find_if(first, curve.end(), is_safe);
       const std::span<const Index> part(first, last);
       const bool is_whole = part.size() == curve.size();
-      if ((is_whole || static_cast<int>(part.size()) > options_.strong_edges) && is_smooth(part))
+      if (!part.empty() && (is_whole || std::ssize(part) > options_.strong_edges) && is_to_go(part))
         reject(part, is_closed && is_whole, Rejection::smooth, report);
       first = last;
     }
+  }
+
+  /// rejects networks of curves that are all short, and as bent as the surface beside them: a rough surface gives many
+  /// of them, each supported by the others. (A network of sharp edges alone is safe: there is nothing beside them.)
+  void reject_rough_networks(Feature_report& report)
+  {
+    std::vector<char> is_reached(s_.number_of_vertices(), 0);
+    for (const Index first : out_->halfedges)
+    {
+      if (is_reached[s_.source_of(first)])
+        continue;
+      const std::vector<Index> network = gather_network(s_.source_of(first), is_reached);
+      const auto ends =
+        std::count_if(network.begin(), network.end(), [&](Index h) { return end_[h] != End_type::none; }) +
+        std::count_if(network.begin(), network.end(), [&](Index h) { return end_[h ^ 1] != End_type::none; });
+      const double least =
+        std::ssize(network) <= options_.strong_edges ? options_.crease_contrast : options_.smooth_contrast;
+      const bool is_short = std::ssize(network) <= ends; // on average two edges a curve, which has two ends
+      if (is_short && median_of(network, [&](Index e) { return contrast(2 * e); }) < least)
+        for (const Index& h : network)
+          reject({&h, 1}, false, Rejection::rough, report);
+    }
+  }
+
+  /// one half-edge of each edge that can be reached from `v` along kept candidates.
+  std::vector<Index> gather_network(Index v, std::vector<char>& is_reached) const
+  {
+    std::vector<Index> network, front = {v};
+    is_reached[v] = 1;
+    while (!front.empty())
+    {
+      const Index from = front.back();
+      front.pop_back();
+      for (const Index h : (*out_)[from])
+      {
+        if (h % 2 == 0)
+          network.push_back(h);
+        if (!is_reached[s_.target[h]])
+          front.push_back(s_.target[h]);
+        is_reached[s_.target[h]] = 1;
+      }
+    }
+    return network;
   }
 
   std::optional<Rejection> reason_by_ends(const std::vector<Index>& curve)
@@ -241,18 +311,32 @@ private:
                                                                                 : std::nullopt;
     const auto strong_edges =
       std::count_if(curve.begin(), curve.end(), [&](Index h) { return a_.dihedral[h / 2] > options_.strong_angle; });
-    const bool is_faint =
-      strong_edges <= options_.strong_edges && (std::ssize(curve) <= options_.strong_edges || !stands_out(curve));
-    if (is_faint && has_end(End_type::dangling))
-      return Rejection::dangling;
-    if (is_faint && is_obscure(first) && is_obscure(last))
-      return Rejection::doubtful;
     const auto is_at_feature = [&](Index h) {
       return c_.has_sharp_edge[s_.source_of(h)] || c_.is_sharp_corner[s_.source_of(h)];
     };
-    if (strong_edges == 0 && is_at_feature(first) && is_at_feature(last))
-      return Rejection::overshadowed;
-    return std::nullopt;
+    const bool is_spanning = is_at_feature(first) && is_at_feature(last);
+    if ((strong_edges > 0 && strong_edges > options_.strong_edges) || is_crease(curve, is_spanning))
+      return std::nullopt;
+    if (strong_edges <= options_.strong_edges && has_end(End_type::dangling))
+      return Rejection::dangling;
+    if (strong_edges <= options_.strong_edges && is_obscure(first) && is_obscure(last))
+      return Rejection::doubtful;
+    return strong_edges == 0 && is_spanning ? std::optional(Rejection::overshadowed) : std::nullopt;
+  }
+
+  /// A curve of an edge or two must stand out by so many times as much: single edges of a noisy surface do by chance.
+  static constexpr double flat_contrast = 5;
+
+  /// whether `curve` bends so much more than the surface beside it that it is kept, whatever its ends. A short one must
+  /// lead from one sharp feature to another, all along, such as the seams of a chamfered or hexagonal bar.
+  bool is_crease(const std::vector<Index>& curve, bool is_spanning)
+  {
+    if (std::ssize(curve) > options_.strong_edges)
+      return stands_out(curve);
+    const double least = is_short(curve) ? flat_contrast * options_.crease_contrast : options_.crease_contrast;
+    return is_spanning && std::all_of(curve.begin(), curve.end(), [&](Index h) {
+             return a_.dihedral[h / 2] >= options_.end_angle && contrast(h) > least;
+           });
   }
 
   /// whether `curve` is no more than what noise strings together by chance.
@@ -278,14 +362,19 @@ private:
   /// whether the surface bends beside `curve` about as much as along it.
   bool is_smooth(std::span<const Index> curve)
   {
-    if (curve.empty())
-      return false;
-    contrasts_.clear();
+    return median_of(curve, [&](Index e) { return contrast(2 * e); }) < options_.smooth_contrast;
+  }
+
+  /// the median of `value` over the edges of `curve`, which is not empty.
+  template <class Function>
+  double median_of(std::span<const Index> curve, Function value)
+  {
+    values_.clear();
     for (const Index h : curve)
-      contrasts_.push_back(contrast(h));
-    const auto median = contrasts_.begin() + static_cast<std::ptrdiff_t>(contrasts_.size() / 2);
-    std::nth_element(contrasts_.begin(), median, contrasts_.end());
-    return *median < options_.smooth_contrast;
+      values_.push_back(value(h / 2));
+    const auto median = values_.begin() + static_cast<std::ptrdiff_t>(values_.size() / 2);
+    std::nth_element(values_.begin(), median, values_.end());
+    return *median;
   }
 
   const Flat_surface& s_;
@@ -298,7 +387,7 @@ private:
   std::vector<End_type> end_;
   std::vector<char> is_walked_, is_touched_;
   std::vector<Index> continuation_, curve_, rejected_;
-  std::vector<double> contrast_of_, contrasts_;
+  std::vector<double> contrast_of_, values_;
 };
 
 } // namespace recurve::internal::features

@@ -23,7 +23,19 @@ public:
   /// bending per length at the edge `e` over the largest beside it; infinite where the surface beside it is flat.
   double operator()(Index e)
   {
-    const double beside = std::max(rate_beside(2 * e), rate_beside(2 * e + 1));
+    const auto all = [](Index, double) { return true; };
+    const double beside = std::max(rate_beside(2 * e, all), rate_beside(2 * e + 1, all));
+    return beside > 0 ? rate(e) / beside : std::numeric_limits<double>::infinity();
+  }
+
+  /// bending per length at the edge `e` over that on its flatter side, of edges parallel to it and not in `left_out`:
+  /// of a crease between a flat and a round side it is infinite, at the round nose between two sides of a profile
+  /// small.
+  double on_flatter_side(Index e, const std::vector<char>& left_out)
+  {
+    constexpr double parallel = 0.8; // cosine; in a regular triangulation the other edges have 0.5
+    const auto is_taken = [&](Index other, double cosine) { return cosine >= parallel && !left_out[other]; };
+    const double beside = std::min(rate_beside(2 * e, is_taken), rate_beside(2 * e + 1, is_taken));
     return beside > 0 ? rate(e) / beside : std::numeric_limits<double>::infinity();
   }
 
@@ -52,8 +64,10 @@ private:
     return width > 0 ? a_.dihedral[e] / width : 0;
   }
 
-  /// the largest rate of the edges beside `h`, within two faces on its side, each as far as it runs along `h`.
-  double rate_beside(Index h)
+  /// the largest rate of those edges beside `h`, within two faces on its side, that `is_taken`(edge, cosine of its
+  /// angle with `h`), each as far as it runs along `h`: by that cosine.
+  template <class Predicate>
+  double rate_beside(Index h, Predicate is_taken)
   {
     gather_faces(h);
     const Vector along = direction(s_, h);
@@ -64,8 +78,9 @@ private:
       Index g = s_.face_halfedge[f];
       do
       {
-        if (!is_barrier(g / 2) && is_beside(g, h, along, least_distance))
-          most = std::max(most, rate(g / 2) * std::abs(dot(direction(s_, g), along)));
+        const double cosine = std::abs(dot(direction(s_, g), along));
+        if (is_taken(g / 2, cosine) && !is_barrier(g / 2) && is_beside(g, h, along, least_distance))
+          most = std::max(most, rate(g / 2) * cosine);
         g = s_.next[g];
       } while (g != s_.face_halfedge[f]);
     }
@@ -85,7 +100,9 @@ private:
            distance_to_line(0.5 * (a + b), h, along) >= least_distance;
   }
 
-  /// the faces at most two steps from that of `h` that can be reached without crossing `h` or a barrier.
+  /// the face of `h`, and if it is a triangle, those at most two steps from it that can be reached over triangles
+  /// without crossing `h` or a barrier. So the next row of faces is seen whether quadrangles are split or not, and what
+  /// lies beyond it is not.
   void gather_faces(Index h)
   {
     faces_.assign(1, s_.face[h]);
@@ -96,6 +113,8 @@ private:
       for (; done < end; ++done)
       {
         const Index first = s_.face_halfedge[faces_[done]];
+        if (s_.next[s_.next[s_.next[first]]] != first)
+          continue;
         Index g = first;
         do
         {

@@ -78,6 +78,8 @@ Normal_equations<D>::Normal_equations(const Weighted_points& points)
   {
     const double square = moments[2 * u_degree[i]][2 * v_degree[i]];
     scaling[i] = square > 0 ? 1 / std::sqrt(square) : 0; // 0: all points lie on an axis, which says nothing of u^j v^k
+    if (i == 0 && points.is_through_origin)
+      scaling[i] = 0;
     rhs[i] = scaling[i] * height_moments[u_degree[i]][v_degree[i]];
   }
   for (int i = 0; i < size; ++i)
@@ -153,6 +155,8 @@ inline void solve_by_conjugate_residual(const Weighted_points& points, int degre
   case 4: return solve_degree<4>(points, relative_bound, coefficients);
   case 5: return solve_degree<5>(points, relative_bound, coefficients);
   case 6: return solve_degree<6>(points, relative_bound, coefficients);
+  case 7: return solve_degree<7>(points, relative_bound, coefficients);
+  case 8: return solve_degree<8>(points, relative_bound, coefficients);
   default: return;
   }
 }

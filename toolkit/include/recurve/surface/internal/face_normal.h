@@ -1,6 +1,7 @@
 #ifndef RECURVE_SURFACE_INTERNAL_FACE_NORMAL_H
 #define RECURVE_SURFACE_INTERNAL_FACE_NORMAL_H
 
+#include <recurve/surface/internal/exact_normal.h>
 #include <recurve/surface/internal/vector_3.h>
 
 #include <limits>
@@ -23,8 +24,12 @@ inline Point normalized(const Point& a)
   return scaled(1 / length(b), b);
 }
 
+/// Round-off of the area vector in double, in resolutions of its bound, is at most 1. Where the area is less than this
+/// many times larger, the direction has lost digits and is computed exactly.
+inline constexpr double certain_area = 1024;
+
 /// unit normal of a face by Newell's method, over all its corners; zero where the area is below the resolution of the
-/// coordinates, so that its direction would be noise.
+/// coordinates, so that its direction would be noise. Of slivers above that it is that of exact arithmetic.
 inline Point face_normal(std::span<const Index> corners, const std::vector<Point>& points)
 {
   const Point& first = points[corners[0]];
@@ -41,9 +46,11 @@ inline Point face_normal(std::span<const Index> corners, const std::vector<Point
     magnitude = std::max(magnitude, largest_coordinate(x));
     a = b;
   }
-  if (!(length(twice_area) > coordinate_resolution * magnitude * perimeter))
+  const double noise = coordinate_resolution * magnitude * perimeter;
+  const double area = length(twice_area);
+  if (!(area > noise))
     return {0, 0, 0};
-  return normalized(twice_area);
+  return normalized(area > certain_area * noise ? twice_area : exact_newell_direction(corners, points));
 }
 
 } // namespace recurve::internal::surface

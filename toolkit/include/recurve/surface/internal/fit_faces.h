@@ -31,6 +31,7 @@ inline void add_to_report(const Face_result& result, Index face, Reconstruction_
   ++report.faces_of_degree[result.fit.degree];
   report.planar_faces += result.is_planar ? 1 : 0;
   report.stencil_vertices += result.stencil_size;
+  report.fits += result.fit.is_flat() ? 0 : 1;
   report.poor_stencils += result.has_poor_stencil ? 1 : 0;
   if (result.is_lowered)
   {

@@ -148,7 +148,7 @@ private:
 class Surface_cutter
 {
 public:
-  explicit Surface_cutter(const Uncut_surface& uncut) : uncut_(uncut) {}
+  Surface_cutter(const Uncut_surface& uncut, Neighbor_rule rule) : uncut_(uncut), rule_(rule) {}
 
   Surface_arrays cut()
   {
@@ -159,6 +159,7 @@ public:
       std::fill(cut_.corner_faces.begin() + cut_.face_first[f], cut_.corner_faces.begin() + cut_.face_first[f + 1], f);
     number_vertices();
     gather_corners_of_vertices();
+    mark_rims();
     gather_neighbors();
     compute_normals();
     return std::move(cut_);
@@ -230,6 +231,17 @@ private:
       cut_.vertex_corners[place[cut_.corner_vertices[corner]]++] = corner;
   }
 
+  void mark_rims()
+  {
+    cut_.is_rim.assign(cut_.points.size(), 0);
+    for (Index corner = 0; corner < static_cast<Index>(cut_.corner_vertices.size()); ++corner)
+      if (uncut_.is_critical_edge[corner] || uncut_.opposite_corners[corner] == no_index)
+        cut_.is_rim[cut_.corner_vertices[corner]] = cut_.is_rim[cut_.corner_vertices[cut_.next_corner(corner)]] = 1;
+    cut_.is_tip.assign(cut_.points.size(), 0);
+    for (Index vertex = 0; vertex < cut_.vertex_count(); ++vertex)
+      cut_.is_tip[vertex] = uncut_.is_sharp[cut_.original_vertices[vertex]] && !cut_.is_rim[vertex] ? 1 : 0;
+  }
+
   void gather_neighbors()
   {
     cut_.neighbor_first.push_back(0);
@@ -237,8 +249,8 @@ private:
     {
       const Index original = cut_.original_vertices[vertex];
       const std::size_t first = cut_.neighbors.size();
-      if (!uncut_.is_sharp[original])
-        add_neighbors(vertex, uncut_.is_critical(original));
+      if (rule_ == Neighbor_rule::whole_region ? !cut_.is_tip[vertex] : !uncut_.is_sharp[original])
+        add_neighbors(vertex, rule_ == Neighbor_rule::along_curves && uncut_.is_critical(original));
       std::sort(cut_.neighbors.begin() + first, cut_.neighbors.end());
       cut_.neighbors.erase(std::unique(cut_.neighbors.begin() + first, cut_.neighbors.end()), cut_.neighbors.end());
       cut_.neighbor_first.push_back(static_cast<Index>(cut_.neighbors.size()));
@@ -290,14 +302,16 @@ private:
   }
 
   const Uncut_surface& uncut_;
+  Neighbor_rule rule_;
   Surface_arrays cut_;
 };
 
 template <class Graph, class NamedParameters>
-Surface_arrays gather_surface(const Graph& g, const NamedParameters& params)
+Surface_arrays gather_surface(const Graph& g, const NamedParameters& params,
+                              Neighbor_rule rule = Neighbor_rule::along_curves)
 {
   const Uncut_surface uncut = Graph_reader<Graph, NamedParameters>(g, params).read();
-  return Surface_cutter(uncut).cut();
+  return Surface_cutter(uncut, rule).cut();
 }
 
 } // namespace recurve::internal::surface

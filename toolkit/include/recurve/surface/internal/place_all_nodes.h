@@ -20,14 +20,6 @@ inline constexpr Index items_per_block = 16384;
 
 inline constexpr auto curving_stage = "curve surface";
 
-template <class Graph>
-void check_corner_counts(const Graph& g)
-{
-  Index number = 0;
-  for (const auto f : faces(g))
-    check_corner_count(static_cast<int>(CGAL::halfedges_around_face(halfedge(f, g), g).size()), number++);
-}
-
 inline void add_to_report(const Point& displacement, double edge_length, Curving_surface_report& report)
 {
   const double way = length(displacement);

@@ -170,13 +170,14 @@ public:
     const double edge_length = length(subtract(b, a));
     const double magnitude = std::max(largest_coordinate(a), largest_coordinate(b));
     for (int k = 1; k < degree_; ++k)
-    {
-      Placed_node& node = nodes[k - 1];
-      node.straight = straight_edge_node(a, b, k, degree_);
-      const Point way =
-        curves_->is_on_curve(e) ? curves_->displacement(e, h, k, degree_) : mean_displacement(h, node.straight);
-      node.displacement = clear_round_off(way, edge_length, magnitude);
-    }
+      nodes[k - 1].straight = straight_edge_node(a, b, k, degree_);
+    if (curves_->is_on_curve(e))
+      for (int k = 1; k < degree_; ++k)
+        nodes[k - 1].displacement = curves_->displacement(e, h, k, degree_);
+    else
+      lift_edge_nodes(h, nodes);
+    for (int k = 1; k < degree_; ++k)
+      nodes[k - 1].displacement = clear_round_off(nodes[k - 1].displacement, edge_length, magnitude);
     return edge_length;
   }
 
@@ -193,7 +194,7 @@ public:
     }
     Edge_displacements edges;
     const bool is_blended = gather_edges(f, edges);
-    const auto& fit = get(fits_, f);
+    const typename boost::property_traits<FaceFitMap>::value_type& fit = get(fits_, f);
     nodes.clear();
     for (const Lattice_node lattice : interior_lattice(corner_count, degree_))
     {
@@ -202,7 +203,7 @@ public:
       Point way = {0, 0, 0};
       if (is_blended)
         way = corner_count == 3 ? blend_in_triangle(edges, lattice, degree_) : blend_in_quad(edges, lattice, degree_);
-      way = add(way, fit.displacement(add(node.straight, way)));
+      way = add(way, lift(fit, add(node.straight, way), corner_count, lattice));
       node.displacement = clear_round_off(way, longest, magnitude);
       nodes.push_back(node);
     }
@@ -210,14 +211,58 @@ public:
   }
 
 private:
-  Point mean_displacement(halfedge_descriptor h, const Point& x) const
+  /// whether the fits are those of vertices, blended over edges and faces.
+  static constexpr bool is_blended_fit = requires(FaceFitMap fits, halfedge_descriptor h) { fits.edge_fit(h); };
+
+  /// displaces the nodes inside the edge of `h` by the mean of the fits on its two sides.
+  void lift_edge_nodes(halfedge_descriptor h, std::span<Placed_node> nodes) const
   {
     const face_descriptor left = face(h, *g_);
     const face_descriptor right = face(opposite(h, *g_), *g_);
     const face_descriptor none = Traits::null_face();
-    if (left == none || right == none)
-      return get(fits_, left == none ? right : left).displacement(x);
-    return scaled(0.5, add(get(fits_, left).displacement(x), get(fits_, right).displacement(x)));
+    const auto lift_by_both = [&](const auto& left_displacement, const auto& right_displacement) {
+      for (int k = 1; k < degree_; ++k)
+      {
+        const Point& x = nodes[k - 1].straight;
+        nodes[k - 1].displacement = left == none ? right_displacement(x, k)
+                                    : right == none
+                                      ? left_displacement(x, k)
+                                      : scaled(0.5, add(left_displacement(x, k), right_displacement(x, k)));
+      }
+    };
+    if constexpr (is_blended_fit)
+    {
+      using Fit = typename boost::property_traits<FaceFitMap>::value_type;
+      const Fit left_fit = left == none ? Fit() : fits_.edge_fit(h);
+      const Fit right_fit = right == none ? Fit() : fits_.edge_fit(opposite(h, *g_));
+      const auto displacement = [this](const Fit& fit, const Point& x, int k) {
+        const double t = static_cast<double>(k) / degree_;
+        const std::array<double, 2> weights = {1 - t, t};
+        return fit.displacement(x, weights);
+      };
+      lift_by_both([&](const Point& x, int k) { return displacement(left_fit, x, k); },
+                   [&](const Point& x, int k) { return displacement(right_fit, x, degree_ - k); });
+    }
+    else
+      lift_by_both([&](const Point& x, int) { return get(fits_, left).displacement(x); },
+                   [&](const Point& x, int) { return get(fits_, right).displacement(x); });
+  }
+
+  /// from `x`, which started at `lattice` inside a face, to the surface of the fit.
+  template <class Fit>
+  Point lift(const Fit& fit, const Point& x, [[maybe_unused]] int corner_count,
+             [[maybe_unused]] const Lattice_node& lattice) const
+  {
+    if constexpr (is_blended_fit)
+    {
+      const double s = static_cast<double>(lattice.i) / degree_;
+      const double t = static_cast<double>(lattice.j) / degree_;
+      if (corner_count == 3)
+        return fit.displacement(x, std::array<double, 3>{1 - s - t, s, t});
+      return fit.displacement(x, std::array<double, 4>{(1 - s) * (1 - t), s * (1 - t), s * t, (1 - s) * t});
+    }
+    else
+      return fit.displacement(x);
   }
 
   /// gathers the displacements of the edges of `f` if one of them moves along a spline. \return whether one does.

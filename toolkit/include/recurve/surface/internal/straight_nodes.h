@@ -37,6 +37,14 @@ inline void check_corner_count(int corner_count, Index face)
                       std::to_string(corner_count) + " corners");
 }
 
+template <class Graph>
+void check_corner_counts(const Graph& g)
+{
+  Index number = 0;
+  for (const auto f : faces(g))
+    check_corner_count(static_cast<int>(CGAL::halfedges_around_face(halfedge(f, g), g).size()), number++);
+}
+
 inline std::vector<Lattice_node> make_interior_lattice(int corner_count, int degree)
 {
   std::vector<Lattice_node> lattice;

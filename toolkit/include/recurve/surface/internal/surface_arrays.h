@@ -9,6 +9,13 @@
 
 namespace recurve::internal::surface {
 
+/// How neighbours are told, for the growth of stencils.
+enum class Neighbor_rule : std::uint8_t
+{
+  along_curves, ///< the paper's: from a critical vertex along critical edges only, from a sharp one nowhere
+  whole_region  ///< all neighbours within the surface region, but none of an isolated sharp vertex
+};
+
 /// A face graph as flat arrays, cut open along its critical edges: a vertex on a feature curve is here once for each
 /// surface region around it, with the normal of that region. Whatever walks along faces and edges of these arrays
 /// therefore cannot cross a feature curve.
@@ -21,6 +28,8 @@ struct Surface_arrays
   std::vector<Point> points;
   std::vector<Point> normals;           ///< unit, or zero where no face has a normal
   std::vector<Index> original_vertices; ///< position in vertices(g); ascending
+  std::vector<std::uint8_t> is_rim;     ///< on a critical edge or border
+  std::vector<std::uint8_t> is_tip;     ///< sharp, and no critical edge or border at it: the tip of a cone
   std::vector<Index> neighbor_first;    ///< CSR; one entry more than vertices
   std::vector<Index> neighbors;         ///< by the neighbour rules of stencil growth; ascending for each vertex
   std::vector<Index> corner_first;      ///< CSR; one entry more than vertices

@@ -31,8 +31,8 @@ public:
                Index leaf_capacity);
 
   /// takes displacements, by the caller's numbers, already scaled.
-  template <class Displacement_of>
-  void set_displacements(const Displacement_of& displacement);
+  template <class DisplacementOf>
+  void set_displacements(const DisplacementOf& displacement);
 
   const Point_tree& tree() const { return tree_; }
   int degree() const { return degree_; }
@@ -121,9 +121,12 @@ inline Source_field::Source_field(std::vector<Numbered_point> sources, std::span
   : degree_(degree), keeps_floats_(keeps_floats)
 {
   const std::size_t n = sources.size();
+  std::vector<Numbered_point> unsorted;
   if (degree >= 0)
     tree_ = Point_tree(std::move(sources), leaf_capacity);
-  const auto points = degree >= 0 ? tree_.points() : std::span<const Numbered_point>(sources);
+  else
+    unsorted = std::move(sources);
+  const auto points = degree >= 0 ? tree_.points() : std::span<const Numbered_point>(unsorted);
   for (auto* array : {&x_, &y_, &z_, &weight_, &weighted_x_, &weighted_y_, &weighted_z_})
     array->resize(n);
   numbers_.resize(n);
@@ -171,8 +174,8 @@ inline void Source_field::summarize(Index number)
   }
 }
 
-template <class Displacement_of>
-void Source_field::set_displacements(const Displacement_of& displacement)
+template <class DisplacementOf>
+void Source_field::set_displacements(const DisplacementOf& displacement)
 {
   tbb::parallel_for(std::size_t(0), numbers_.size(), [&](std::size_t m) {
     const Point s = displacement(numbers_[m]);

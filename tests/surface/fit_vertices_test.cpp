@@ -1,0 +1,363 @@
+#include "surface/test_surfaces.h"
+#include "surface/transformations.h"
+
+#include <recurve/surface/curve_surface.h>
+#include <recurve/surface/fit_vertices.h>
+
+#include <catch2/catch.hpp>
+#include <tbb/global_control.h>
+
+#include <cmath>
+#include <string>
+
+using namespace recurve;
+using namespace test_surfaces;
+
+namespace {
+
+using Distance = std::function<double(const Point&)>;
+
+/// all nodes of degree `degree` with the default fits; `straight` if null.
+Surface_nodes<Mesh> curved(const Mesh& mesh, int fit_degree, int degree, Reconstruction_report* report = nullptr)
+{
+  Surface_nodes<Mesh> nodes(mesh, degree);
+  const Vertex_fits<Mesh> fits = fit_vertices(mesh, {.degree = fit_degree}, no_parameters, Compact_policies{}, report);
+  curve_surface(mesh, fits.face_map(), std::vector<Feature_curve<Mesh>>{}, nodes.edge_map(), nodes.face_map(),
+                {.degree = degree});
+  return nodes;
+}
+
+double largest_error(const Surface_nodes<Mesh>& nodes, const Distance& distance)
+{
+  double largest = 0;
+  for (const Point_3& x : nodes.edge_nodes())
+    largest = std::max(largest, distance(to_point(x)));
+  for (const Point_3& x : nodes.face_nodes())
+    largest = std::max(largest, distance(to_point(x)));
+  return largest;
+}
+
+/// the largest error of the nodes of each face.
+std::vector<double> errors_of_faces(const Mesh& mesh, const Surface_nodes<Mesh>& nodes, const Distance& distance)
+{
+  std::vector<double> errors;
+  for (const auto f : mesh.faces())
+  {
+    double largest = 0;
+    for (const auto h : mesh.halfedges_around_face(mesh.halfedge(f)))
+      for (int k = 1; k < nodes.degree(); ++k)
+        largest = std::max(largest, distance(to_point(nodes.edge_node(h, k))));
+    for (int m = 0; m < nodes.face_node_count(f); ++m)
+      largest = std::max(largest, distance(to_point(nodes.face_node(f, m))));
+    errors.push_back(largest);
+  }
+  return errors;
+}
+
+/// m times n quads (or triangles) over [0, 1]^2, mapped by `surface`; the first coordinate may be periodic.
+Polygons mapped_grid(int m, int n, bool is_periodic, const std::function<Point(double, double)>& surface)
+{
+  Polygons result;
+  const int columns = is_periodic ? m : m + 1;
+  for (int j = 0; j <= n; ++j)
+    for (int i = 0; i < columns; ++i)
+      result.points.push_back(surface(static_cast<double>(i) / m, static_cast<double>(j) / n));
+  const auto at = [&](int i, int j) { return (is_periodic ? i % m : i) + j * columns; };
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < m; ++i)
+      result.faces.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
+  return result;
+}
+
+Point on_cylinder(double turn, double z)
+{
+  const double a = 2 * std::numbers::pi * turn;
+  return {std::cos(a), std::sin(a), z};
+}
+
+double distance_to_cylinder(const Point& x)
+{
+  return std::abs(std::hypot(x[0], x[1]) - 1);
+}
+
+/// half thickness of NACA 0012 with a closed trailing edge.
+double naca_height(double x)
+{
+  return 0.6 * (0.2969 * std::sqrt(x) - 0.126 * x - 0.3516 * x * x + 0.2843 * x * x * x - 0.1036 * x * x * x * x);
+}
+
+Point on_naca(double u) ///< u from -1 (trailing edge, below) over 0 (nose) to 1; x = u^2
+{
+  return {u * u, std::copysign(naca_height(u * u), u), 0};
+}
+
+/// by search along the curve, nearest point first by sampling, then by golden sections.
+double distance_to_naca(const Point& x)
+{
+  const auto square = [&](double u) {
+    const Point p = on_naca(u);
+    return (p[0] - x[0]) * (p[0] - x[0]) + (p[1] - x[1]) * (p[1] - x[1]);
+  };
+  double best = 0;
+  for (double u = -1; u <= 1; u += 0.01)
+    if (square(u) < square(best))
+      best = u;
+  double low = std::max(-1.0, best - 0.01), high = std::min(1.0, best + 0.01);
+  for (int i = 0; i < 60; ++i)
+  {
+    const double a = low + 0.381966 * (high - low), b = high - 0.381966 * (high - low);
+    (square(a) < square(b) ? high : low) = square(a) < square(b) ? b : a;
+  }
+  return std::sqrt(square(0.5 * (low + high)));
+}
+
+struct Shape
+{
+  std::string name;
+  Polygons mesh;
+  Distance distance;
+};
+
+std::vector<Shape> stretched_shapes()
+{
+  std::vector<Shape> shapes;
+  for (const double ratio : {1.0, 1e3, 1e4})
+    shapes.push_back({"cylinder, faces 1:" + std::to_string(static_cast<int>(ratio)),
+                      mapped_grid(24, 8, true, [=](double a, double b) { return on_cylinder(a, 2 * ratio * b); }),
+                      distance_to_cylinder});
+  shapes.push_back({"cylinder, thin rings",
+                    mapped_grid(24, 12, true, [](double a, double b) { return on_cylinder(a, 3e-3 * b); }),
+                    distance_to_cylinder});
+  shapes.push_back({"cylinder of six sides",
+                    mapped_grid(6, 8, true, [](double a, double b) { return on_cylinder(a, 8 * b); }),
+                    distance_to_cylinder});
+  shapes.push_back({"cylinder, strip one face wide",
+                    mapped_grid(24, 1, true, [](double a, double b) { return on_cylinder(a, 0.2 * b); }),
+                    distance_to_cylinder});
+  shapes.push_back(
+    {"cylinder, doubling rings",
+     mapped_grid(32, 14, true, [](double a, double b) { return on_cylinder(a, 1e-3 * std::pow(2, 14 * b)); }),
+     distance_to_cylinder});
+  shapes.push_back({"cone, doubling rings",
+                    mapped_grid(24, 12, true,
+                                [](double a, double b) {
+                                  const double z = std::pow(2, 6 * b) / 16;
+                                  const Point x = on_cylinder(a, z);
+                                  return Point{0.5 * z * x[0], 0.5 * z * x[1], z};
+                                }),
+                    [](const Point& x) { return std::abs(std::hypot(x[0], x[1]) - 0.5 * x[2]) / std::sqrt(1.25); }});
+  shapes.push_back({"sphere, rings crowded at the ends",
+                    mapped_grid(32, 16, true,
+                                [](double a, double b) {
+                                  const double t = 1.4 * std::tanh(3 * (2 * b - 1)) / std::tanh(3.0);
+                                  const Point x = on_cylinder(a, 0);
+                                  return Point{std::cos(t) * x[0], std::cos(t) * x[1], std::sin(t)};
+                                }),
+                    distance_to_sphere});
+  shapes.push_back({"torus, faces 1:17", grid_torus(200, 12, 2, 0.8, 0, 1),
+                    [](const Point& x) { return distance_to_torus(x, 2, 0.8); }});
+  for (const int chords : {10, 20, 32, 64})
+    shapes.push_back({"NACA 0012 of " + std::to_string(chords) + " chords",
+                      mapped_grid(chords, 6, false,
+                                  [](double a, double b) {
+                                    Point x = on_naca(2 * a - 1);
+                                    x[2] = b;
+                                    return x;
+                                  }),
+                      distance_to_naca});
+  return shapes;
+}
+
+} // namespace
+
+TEST_CASE("vertex fits reproduce polynomial surfaces", "[fit_vertices]")
+{
+  const int degree = GENERATE(1, 2, 3, 4, 5, 6);
+  const auto height = [degree](double x, double y) {
+    double sum = 0, factor = 0.2;
+    for (int p = 1; p <= degree; ++p, factor *= 0.5)
+      sum += factor * (std::pow(x, p) - 0.7 * std::pow(x, p - 1) * y + 0.4 * std::pow(y, p));
+    return sum;
+  };
+  const Polygons quads = grid(14, 14, 1, 1, height);
+  const Mesh mesh = make_mesh(GENERATE(true, false) ? quads : split_quads(quads));
+  const Vertex_fits<Mesh> fits = fit_vertices(mesh, {.degree = degree});
+  for (const auto f : mesh.faces())
+  {
+    const Vertex_fit& fit = fits.fit_at_corner(f, 0);
+    REQUIRE(fit.state == (degree == 1 ? Vertex_fit_state::planar : Vertex_fit_state::curved));
+    if (degree == 1)
+      continue;
+    // A height function over z is not a polynomial over the vertex's own plane: near the vertex it is.
+    const double way = fit.way_along({fit.origin[0] + 0.01, fit.origin[1] + 0.01, 0}, {0, 0, 1});
+    CHECK(std::abs(way - height(fit.origin[0] + 0.01, fit.origin[1] + 0.01)) < 3e-5 * std::pow(0.4, degree));
+  }
+}
+
+TEST_CASE("planar surfaces stay to the bit, however they lie", "[fit_vertices]")
+{
+  Polygons plane = grid(9, 7, 1, 1, [](double, double) { return 0.0; });
+  const double shift = GENERATE(0.0, 1e6);
+  for (Point& x : plane.points)
+    x = {0.6 * x[0] - 0.8 * x[1] + shift, 0.8 * 0.6 * x[0] + 0.36 * x[1] - 0.8 * 0.1,
+         0.64 * x[0] + 0.48 * x[1] + shift};
+  const Mesh mesh = make_mesh(split_quads(plane));
+  Reconstruction_report report;
+  const Surface_nodes<Mesh> nodes = curved(mesh, 4, 3, &report);
+  const Surface_nodes<Mesh> straight(mesh, 3);
+  CHECK(report.planar_faces == static_cast<Index>(mesh.number_of_faces()));
+  CHECK(report.lowered_faces == 0);
+  CHECK(std::equal(nodes.edge_nodes().begin(), nodes.edge_nodes().end(), straight.edge_nodes().begin()));
+  CHECK(std::equal(nodes.face_nodes().begin(), nodes.face_nodes().end(), straight.face_nodes().begin()));
+}
+
+TEST_CASE("vertex fits do not depend on unit, place or threads", "[fit_vertices]")
+{
+  Polygons sphere = icosphere(3);
+  perturb_sphere(sphere, 0.02, 3);
+  const Surface_nodes<Mesh> expected = curved(make_mesh(sphere), 4, 4);
+  const Mesh same = make_mesh(sphere);
+  for (const std::size_t threads : {1U, 2U, 7U})
+  {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    const Surface_nodes<Mesh> nodes = curved(same, 4, 4);
+    CHECK(std::equal(nodes.edge_nodes().begin(), nodes.edge_nodes().end(), expected.edge_nodes().begin()));
+    CHECK(std::equal(nodes.face_nodes().begin(), nodes.face_nodes().end(), expected.face_nodes().begin()));
+  }
+  for (const double unit : {1e-6, 1e6})
+    for (const double shift : {0.0, 1e3})
+    {
+      Polygons moved = sphere;
+      for (Point& x : moved.points)
+        x = {unit * (x[0] + shift), unit * (x[1] - shift), unit * x[2]};
+      const Surface_nodes<Mesh> nodes = curved(make_mesh(moved), 4, 4);
+      double difference = 0;
+      for (std::size_t i = 0; i < nodes.edge_nodes().size(); ++i)
+      {
+        const Point x = to_point(nodes.edge_nodes()[i]), y = to_point(expected.edge_nodes()[i]);
+        difference = std::max({difference, std::abs(x[0] / unit - shift - y[0]), std::abs(x[1] / unit + shift - y[1]),
+                               std::abs(x[2] / unit - y[2])});
+      }
+      CHECK(difference < (shift == 0 ? 1e-12 : 1e-9));
+    }
+}
+
+TEST_CASE("faces meet, and corners stay", "[fit_vertices]")
+{
+  Polygons sphere = cubed_sphere(6);
+  perturb_sphere(sphere, 0.03, 5);
+  const Mesh mesh = make_mesh(sphere);
+  const Vertex_fits<Mesh> fits = fit_vertices(mesh, {.degree = 3});
+  for (const auto e : mesh.edges())
+  {
+    const auto h = mesh.halfedge(e), o = mesh.opposite(h);
+    const Point a = to_point(mesh.point(mesh.source(h))), b = to_point(mesh.point(mesh.target(h)));
+    const auto left = fits.face_map().edge_fit(h), right = fits.face_map().edge_fit(o);
+    const double t = 0.3;
+    const Point x = {a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2])};
+    const Point from_left = left.displacement(x, std::array<double, 2>{1 - t, t});
+    const Point from_right = right.displacement(x, std::array<double, 2>{t, 1 - t});
+    for (int i = 0; i < 3; ++i)
+      CHECK(std::abs(from_left[i] - from_right[i]) < 1e-15);
+    CHECK(norm(left.displacement(a, std::array<double, 2>{1, 0})) < 1e-15);
+    CHECK(norm(left.displacement(b, std::array<double, 2>{0, 1})) < 1e-15);
+  }
+}
+
+TEST_CASE("long thin faces, graded faces and coarse noses are nowhere worse than straight ones", "[fit_vertices]")
+{
+  for (const Shape& shape : stretched_shapes())
+    for (const bool is_split : {false, true})
+    {
+      const Mesh mesh = make_mesh(is_split ? split_quads(shape.mesh) : shape.mesh);
+      const std::vector<double> straight = errors_of_faces(mesh, Surface_nodes<Mesh>(mesh, 3), shape.distance);
+      const double largest_straight = *std::max_element(straight.begin(), straight.end());
+      for (const int d : {2, 4, 6})
+      {
+        CAPTURE(shape.name, is_split, d);
+        const std::vector<double> errors = errors_of_faces(mesh, curved(mesh, d, 3), shape.distance);
+        int worse = 0;
+        for (std::size_t f = 0; f < errors.size(); ++f)
+          if (errors[f] > 1.15 * straight[f] && errors[f] > 1e-3 * largest_straight)
+            ++worse;
+        CHECK(worse == 0);
+        CHECK(*std::max_element(errors.begin(), errors.end()) < largest_straight);
+      }
+    }
+}
+
+TEST_CASE("noise is not amplified", "[fit_vertices]")
+{
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  const double edge_length = 1.1 / 16;
+  for (const double relative : {1e-7, 1e-3})
+  {
+    Polygons sphere = icosphere(4);
+    for (Point& x : sphere.points)
+      for (double& c : x)
+        c += relative * edge_length * uniform(random);
+    for (const int d : {2, 4, 6})
+    {
+      CAPTURE(relative, d);
+      const double without = d == 2 ? 1e-8 : 0; // the fit's own error
+      CHECK(largest_error(curved(make_mesh(sphere), d, 2), distance_to_sphere) < 4 * relative * edge_length + without);
+    }
+  }
+}
+
+TEST_CASE("stencils do not wrap round a thin plate", "[fit_vertices]")
+{
+  // Two parallel sheets, closed by a bend of three faces that no edge marks as critical.
+  const double thickness = 0.01;
+  const auto profile = [&](double s) -> Point {
+    if (s < 0.45)
+      return {1 - s / 0.45, 0.5 * thickness, 0};
+    if (s > 0.55)
+      return {(s - 0.55) / 0.45, -0.5 * thickness, 0};
+    const double a = std::numbers::pi * (0.5 + 10 * (s - 0.45));
+    return {0.5 * thickness * std::cos(a), 0.5 * thickness * std::sin(a), 0};
+  };
+  const Mesh mesh = make_mesh(mapped_grid(40, 10, false, [&](double a, double b) {
+    Point x = profile(a);
+    x[2] = b;
+    return x;
+  }));
+  for (const int d : {2, 6})
+    for (const Point_3& x : curved(mesh, d, 2).edge_nodes())
+      CHECK(std::abs(x.y()) < thickness); // the sheets are at 0.5; fits round the bend would be off by whole faces
+}
+
+TEST_CASE("documented outcomes of degenerate input", "[fit_vertices]")
+{
+  CHECK(fit_vertices(Mesh(), {.degree = 3}).all().empty());
+  Mesh one;
+  one.add_face(one.add_vertex({0, 0, 0}), one.add_vertex({1, 0, 0}), one.add_vertex({0, 1, 0}));
+  CHECK(fit_vertices(one).fit_at_corner(*one.faces().begin(), 0).state == Vertex_fit_state::planar);
+  one.point(Mesh::Vertex_index(2)) = Point_3(2, 0, 0); // no area
+  Reconstruction_report report;
+  fit_vertices(one, {}, no_parameters, Compact_policies{}, &report);
+  REQUIRE(report.lowerings.size() == 1);
+  CHECK(report.lowerings[0].reason == Lowering_reason::no_normal);
+  CHECK_THROWS_AS(fit_vertices(one, {.degree = 0}), Input_error);
+  CHECK_THROWS_AS(fit_vertices(one, {.degree = 7}), Input_error);
+  CHECK_THROWS_AS(fit_vertices(one, {.polynomial_degree = 9}), Input_error);
+  one.point(Mesh::Vertex_index(2)) = Point_3(2, std::nan(""), 0);
+  CHECK_THROWS_AS(fit_vertices(one), Input_error);
+}
+
+TEST_CASE("curvatures of vertex fits", "[fit_vertices]")
+{
+  Polygons shape = icosphere(3);
+  perturb_sphere(shape, 0.02, 9);
+  const Mesh mesh = make_mesh(shape);
+  const Vertex_fits<Mesh> fits = fit_vertices(mesh, {.degree = 4});
+  for (const Vertex_fit& fit : fits.all())
+  {
+    const auto [largest, smallest] = fit.principal_curvatures();
+    CHECK(largest == Approx(1).margin(1e-4));
+    CHECK(smallest == Approx(1).margin(1e-4));
+    const Point n = fit.normal(0, 0);
+    CHECK(norm({n[0] - fit.origin[0], n[1] - fit.origin[1], n[2] - fit.origin[2]}) < 1e-5);
+  }
+}

@@ -1,0 +1,97 @@
+#ifndef RECURVE_SURFACE_FIT_VERTICES_H
+#define RECURVE_SURFACE_FIT_VERTICES_H
+
+#include <recurve/core/exceptions.h>
+#include <recurve/core/named_parameters.h>
+#include <recurve/core/progress.h>
+#include <recurve/surface/compact_policies.h>
+#include <recurve/surface/internal/fit_all_vertices.h>
+#include <recurve/surface/internal/gather_surface.h>
+#include <recurve/surface/internal/straight_nodes.h>
+#include <recurve/surface/reconstruction_report.h>
+#include <recurve/surface/vertex_fits.h>
+
+#include <string>
+
+namespace recurve {
+
+/// Degree of the polynomials that `fit_vertices()` takes for rate d + 1: the next even number above d, which is 2, 4,
+/// 4, 6, 6, 8 for d = 1 to 6. Compact stencils have the points for it at less cost than the wide stencil of a face has
+/// at degree d, and errors of even degree cancel between the two ends of an edge.
+constexpr int vertex_fit_degree(int degree)
+{
+  return degree / 2 * 2 + 2;
+}
+
+/// What a call to `fit_vertices()` may vary. How stencils grow, how points are weighted and how the equations are
+/// solved are types: see `Reconstruction_policies`.
+struct Vertex_fit_options
+{
+  int degree = 2;            ///< d, 1 <= d <= 6: errors fall with the power d + 1 of the size of the faces, or faster
+  int polynomial_degree = 0; ///< 1 to max_vertex_fit_degree; 0: vertex_fit_degree(degree)
+  double largest_displacement = 0.3; ///< a fit that moves the middle of an edge at its vertex farther is lowered; in
+                                     ///< lengths of the edge. 0.3 is the rise of an arc of 124 degrees.
+  double largest_disagreement = 0.5; ///< where the fits of both ends of an edge displace its middle so differently,
+                                     ///< relative to the larger displacement, they are lowered
+  Progress_callback progress = {};   ///< called with the stage "reconstruct surface"
+};
+
+/// fits, for each vertex of `g` and each surface region around it, a weighted least-squares polynomial that goes
+/// through the vertex, from the vertices of the region around it. Over a face the fits of its corners are blended: see
+/// `Vertex_fits`. For `curve_surface()`.
+///
+/// Compared with `reconstruct_surface()` there are half as many fits on triangles, from stencils that are half as wide:
+/// the error is smaller (see the manual page) at less cost. A planar surface gets fits that are exactly flat. A
+/// polynomial surface of degree <= `options.degree` is reproduced to round-off, a smooth one is approximated to
+/// O(h^(degree+1)).
+///
+/// A fit is checked against those of its neighbours; where two disagree on the edge between them, or a fit moves an
+/// edge too far, it is fitted again with a lower degree, down to 0, which leaves the surface straight there.
+///
+/// Lengths are in the unit of the points; nothing depends on that unit nor on the place of the mesh, nor on how far the
+/// mesh is stretched in a direction. The result is independent of the number of threads. `g` is not changed and must
+/// outlive the result.
+///
+/// \tparam Graph   model of `FaceListGraph`; triangles and quads.
+/// \param params   as for `reconstruct_surface()`. A sharp vertex without critical edges (the tip of a cone) gets no
+/// fit. \param policies the compact ones by default. A stencil grows from one vertex, `Stencil_point::distance` is in
+/// units
+///                 of the mean distance of the neighbours (of each direction's own, on long thin faces).
+/// \param report   if not null, set. A face has the lowest degree of its corners' fits, at most `options.degree`.
+/// \throws Input_error if a field of `options` is out of its range, a face is neither triangle nor quad or a
+/// coordinate is not finite. \throws Cancelled if
+/// the progress callback asks to stop.
+/// \par Complexity  linear in the vertices; memory about 900 bytes per vertex at its peak.
+/// \par Source      Jiao & Wang 2012 (WALF: fits of vertices, averaged).
+template <class Graph, class NamedParameters = No_parameters, class Policies = Compact_policies>
+Vertex_fits<Graph> fit_vertices(const Graph& g, const Vertex_fit_options& options = {},
+                                const NamedParameters& params = no_parameters, const Policies& policies = {},
+                                Reconstruction_report* report = nullptr)
+{
+  static_assert(only_names<NamedParameters, names::vertex_point_map, names::vertex_normal_map,
+                           names::edge_is_constrained_map, names::vertex_is_constrained_map, names::geom_traits>,
+                "fit_vertices takes vertex_point_map, vertex_normal_map, edge_is_constrained_map, "
+                "vertex_is_constrained_map and geom_traits only");
+  if (options.degree < 1 || options.degree > max_fit_degree)
+    throw Input_error("degree of the fits: expected 1 to 6, found " + std::to_string(options.degree));
+  if (options.polynomial_degree < 0 || options.polynomial_degree > max_vertex_fit_degree)
+    throw Input_error("degree of the polynomials: expected 0 to 8, found " + std::to_string(options.polynomial_degree));
+  if (!(options.largest_displacement > 0) || !(options.largest_disagreement > 0))
+    throw Input_error("largest displacement and disagreement of the fits: expected positive numbers");
+  namespace s = internal::surface;
+  s::check_corner_counts(g);
+  const s::Surface_arrays surface = s::gather_surface(g, params, s::Neighbor_rule::whole_region);
+  const int polynomial_degree =
+    options.polynomial_degree > 0 ? options.polynomial_degree : vertex_fit_degree(options.degree);
+  s::All_vertex_fits<Policies> all(surface, policies,
+                                   {polynomial_degree, options.largest_displacement, options.largest_disagreement});
+  all.run(options.progress, "reconstruct surface");
+  if (report)
+    *report =
+      s::report_on_faces(surface, all.fits(), all.reasons(), all.stencil_sizes(), options.degree, polynomial_degree);
+  return Vertex_fits<Graph>(g, surface, std::move(all.fits()));
+}
+
+} // namespace recurve
+
+#endif

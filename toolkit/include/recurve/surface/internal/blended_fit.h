@@ -1,0 +1,103 @@
+#ifndef RECURVE_SURFACE_INTERNAL_BLENDED_FIT_H
+#define RECURVE_SURFACE_INTERNAL_BLENDED_FIT_H
+
+#include <recurve/surface/internal/vector_3.h>
+#include <recurve/surface/vertex_fit.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <span>
+
+namespace recurve::internal::surface {
+
+/// The vertex fits at the ends of an edge or at the corners of a face, blended: the mean of the fits, each corrected
+/// linearly (bilinearly) by its residuals at the other corners, weighted with the (bi)linear shape functions. It goes
+/// through the corners and depends on an edge on the two ends of the edge alone.
+class Blended_fit
+{
+public:
+  Blended_fit() = default;
+
+  /// \param fits  of two (edge), three or four corners; they must outlive this object.
+  explicit Blended_fit(std::span<const Vertex_fit* const> fits) : count_(static_cast<int>(fits.size()))
+  {
+    for (int i = 0; i < count_; ++i)
+    {
+      fits_[i] = fits[static_cast<std::size_t>(i)];
+      is_flat_ = is_flat_ && fits_[i]->state != Vertex_fit_state::curved;
+    }
+    if (is_flat_)
+      return;
+    for (int i = 0; i < count_; ++i)
+      for (int j = 0; j < count_; ++j)
+        if (i != j)
+        {
+          residuals_[i][j] = way(i, fits_[j]->origin, direction_at(j));
+          longest_side_ = std::max(longest_side_, length(subtract(fits_[j]->origin, fits_[i]->origin)));
+        }
+  }
+
+  bool is_flat() const { return is_flat_; }
+
+  /// way from `x` to the surface. \param weights  values of the shape functions of the corners at x; their sum is 1.
+  Point displacement(const Point& x, std::span<const double> weights) const
+  {
+    if (is_flat_)
+      return {0, 0, 0};
+    Point direction = {0, 0, 0};
+    for (int i = 0; i < count_; ++i)
+      direction = add(direction, scaled(weights[static_cast<std::size_t>(i)], direction_at(i)));
+    const double norm = length(direction);
+    if (!(norm > least_direction))
+      return {0, 0, 0};
+    direction = scaled(1 / norm, direction);
+    double sum = 0, total = 0;
+    for (int i = 0; i < count_; ++i)
+    {
+      const double weight = weights[static_cast<std::size_t>(i)];
+      if (fits_[i]->state == Vertex_fit_state::none || !(weight > 0))
+        continue;
+      total += weight;
+      sum += weight * corrected_way(i, x, direction, weights);
+    }
+    const bool is_sane = total > 0 && std::abs(sum) <= largest_way * total * longest_side_;
+    return scaled(is_sane ? sum / total : 0, direction);
+  }
+
+private:
+  static constexpr double largest_way = 0.5;     ///< in longest sides: the rise of a half circle
+  static constexpr double least_direction = 0.1; ///< normals that nearly cancel say nothing
+
+  Point direction_at(int corner) const { return fits_[corner]->n; }
+
+  /// from `x` to the surface of the fit of `corner`; 0 for a fit that is not curved.
+  double way(int corner, const Point& x, const Point& direction) const
+  {
+    const Vertex_fit& fit = *fits_[corner];
+    if (fit.state != Vertex_fit_state::curved)
+      return 0;
+    const double result = fit.way_along(x, direction);
+    return std::isfinite(result) ? result : 0;
+  }
+
+  double corrected_way(int corner, const Point& x, const Point& direction, std::span<const double> weights) const
+  {
+    if (fits_[corner]->state != Vertex_fit_state::curved)
+      return 0;
+    double result = way(corner, x, direction);
+    for (int j = 0; j < count_; ++j)
+      result -= weights[static_cast<std::size_t>(j)] * residuals_[corner][j];
+    return result;
+  }
+
+  int count_ = 0;
+  bool is_flat_ = true;
+  double longest_side_ = 0; ///< or diagonal
+  std::array<const Vertex_fit*, 4> fits_ = {};
+  std::array<std::array<double, 4>, 4> residuals_ = {}; ///< [i][j]: from corner j to the surface of fit i
+};
+
+} // namespace recurve::internal::surface
+
+#endif

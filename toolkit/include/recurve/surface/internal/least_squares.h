@@ -1,0 +1,223 @@
+#ifndef RECURVE_SURFACE_INTERNAL_LEAST_SQUARES_H
+#define RECURVE_SURFACE_INTERNAL_LEAST_SQUARES_H
+
+#include <recurve/surface/local_fit.h>
+#include <recurve/surface/vertex_fit.h>
+#include <recurve/surface/weighted_points.h>
+
+#include <Eigen/QR>
+#include <Eigen/SVD>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace recurve::internal::surface {
+
+inline constexpr int max_columns = coefficient_count(max_vertex_fit_degree);
+
+/// The weighted equations of one fit, column by column, with columns of unit length. Memory is kept from fit to fit.
+class Scaled_equations
+{
+public:
+  void set(const Weighted_points& points, int degree);
+
+  int rows() const { return rows_; }
+  int columns() const { return columns_; }
+  int first_coefficient() const { return first_coefficient_; } ///< coefficient of column 0
+  double* column(int c) { return values_.data() + static_cast<std::size_t>(c) * static_cast<std::size_t>(rows_); }
+  double* rhs() { return column(columns_); }
+  double scaling(int c) const { return scaling_[static_cast<std::size_t>(c)]; } ///< 0 for a column of zeros
+
+private:
+  int rows_ = 0;
+  int columns_ = 0;
+  int first_coefficient_ = 0;
+  std::vector<double> values_;
+  std::array<double, max_columns> scaling_;
+};
+
+inline double dot_product(const double* a, const double* b, int count)
+{
+  // Four sums at a time: the order is fixed, and the processor need not wait for each addition.
+  double s0 = 0, s1 = 0, s2 = 0, s3 = 0;
+  int i = 0;
+  for (; i + 4 <= count; i += 4)
+  {
+    s0 += a[i] * b[i];
+    s1 += a[i + 1] * b[i + 1];
+    s2 += a[i + 2] * b[i + 2];
+    s3 += a[i + 3] * b[i + 3];
+  }
+  for (; i < count; ++i)
+    s0 += a[i] * b[i];
+  return (s0 + s2) + (s1 + s3);
+}
+
+inline void Scaled_equations::set(const Weighted_points& points, int degree)
+{
+  rows_ = static_cast<int>(points.size());
+  first_coefficient_ = points.is_through_origin ? 1 : 0;
+  columns_ = coefficient_count(degree) - first_coefficient_;
+  const std::size_t size = static_cast<std::size_t>(rows_) * static_cast<std::size_t>(columns_ + 2);
+  if (values_.size() < size)
+    values_.resize(size);
+  double* const root = column(columns_ + 1);
+  for (std::size_t i = 0; i < points.size(); ++i)
+  {
+    root[i] = std::sqrt(points.weight[i]);
+    rhs()[i] = root[i] * points.height[i];
+  }
+  for (int p = 0; p <= degree; ++p)
+    for (int k = 0; k <= p; ++k)
+    {
+      const int number = coefficient_number(p - k, k);
+      if (number < first_coefficient_)
+        continue;
+      double* const values = column(number - first_coefficient_);
+      // u^j v^k from the term of one degree less, or from the weights.
+      const int lower = p == 0 ? -1 : k == 0 ? coefficient_number(p - 1, 0) : coefficient_number(p - k, k - 1);
+      const double* const from = lower < first_coefficient_ ? root : column(lower - first_coefficient_);
+      const double* const factor = k == 0 ? points.u.data() : points.v.data();
+      for (int i = 0; i < rows_; ++i)
+        values[i] = p == 0 ? root[i] : from[i] * factor[i];
+    }
+  for (int c = 0; c < columns_; ++c)
+  {
+    double* const values = column(c);
+    const double norm = std::sqrt(dot_product(values, values, rows_));
+    scaling_[static_cast<std::size_t>(c)] = norm > 0 ? 1 / norm : 0;
+    for (int i = 0; i < rows_; ++i)
+      values[i] *= scaling_[static_cast<std::size_t>(c)];
+  }
+}
+
+inline Scaled_equations& equations_of_thread()
+{
+  thread_local Scaled_equations equations;
+  return equations;
+}
+
+/// Which columns of the equations are in the triangle.
+struct Triangle
+{
+  int size = 0;
+  std::array<int, max_columns> columns; ///< entry c is the column with the diagonal entry in row c; ascending
+};
+
+/// turns the equations to triangular form. A column whose part across those before it is not longer than
+/// `least_independence` is left out; its rows stay as they are. On return column triangle.columns[c] holds column c of
+/// R in its first rows, and the first rows of the right-hand side belong to it.
+inline Triangle triangulate(Scaled_equations& equations, double least_independence)
+{
+  const int rows = equations.rows();
+  const int columns = equations.columns();
+  Triangle triangle;
+  for (int c = 0; c < columns && triangle.size < rows; ++c)
+  {
+    const int row = triangle.size;
+    double* const pivot = equations.column(c);
+    const int rest = rows - row;
+    const double norm = std::sqrt(dot_product(pivot + row, pivot + row, rest));
+    if (!(norm > least_independence))
+      continue;
+    const double diagonal = pivot[row] > 0 ? -norm : norm;
+    pivot[row] -= diagonal; // pivot[row...] is now Householder's vector
+    const double factor = -1 / (diagonal * pivot[row]);
+    for (int other = c + 1; other <= columns; ++other)
+    {
+      double* const values = equations.column(other);
+      const double amount = factor * dot_product(pivot + row, values + row, rest);
+      for (int i = row; i < rows; ++i)
+        values[i] -= amount * pivot[i];
+    }
+    pivot[row] = diagonal;
+    triangle.columns[static_cast<std::size_t>(triangle.size++)] = c;
+  }
+  return triangle;
+}
+
+/// solves the triangular equations.
+inline void substitute_back(Scaled_equations& equations, const Triangle& triangle, std::span<double> coefficients)
+{
+  double* const rhs = equations.rhs();
+  for (int row = triangle.size - 1; row >= 0; --row)
+  {
+    const int c = triangle.columns[static_cast<std::size_t>(row)];
+    const double* const column = equations.column(c);
+    const double x = rhs[row] / column[row];
+    for (int i = 0; i < row; ++i)
+      rhs[i] -= x * column[i];
+    coefficients[static_cast<std::size_t>(c + equations.first_coefficient())] = x * equations.scaling(c);
+  }
+}
+
+inline void solve_by_graded_qr(const Weighted_points& points, int degree, double least_independence,
+                               std::span<double> coefficients)
+{
+  std::fill(coefficients.begin(), coefficients.end(), 0.0);
+  Scaled_equations& equations = equations_of_thread();
+  equations.set(points, degree);
+  const Triangle triangle = triangulate(equations, least_independence);
+  substitute_back(equations, triangle, coefficients);
+}
+
+/// Square matrix that needs no heap.
+using Small_matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, max_columns, max_columns>;
+using Small_vector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, max_columns, 1>;
+
+/// applies `solve(matrix, rhs)` to the triangular form of the equations, whose size does not grow with the points.
+template <class Solve>
+void solve_compressed(const Weighted_points& points, int degree, std::span<double> coefficients, const Solve& solve)
+{
+  std::fill(coefficients.begin(), coefficients.end(), 0.0);
+  Scaled_equations& equations = equations_of_thread();
+  equations.set(points, degree);
+  const int columns = equations.columns();
+  const Triangle triangle = triangulate(equations, 0);
+  const int rows = triangle.size;
+  Small_matrix matrix = Small_matrix::Zero(rows, columns);
+  Small_vector rhs(rows);
+  for (int i = 0; i < rows; ++i)
+    rhs[i] = equations.rhs()[i];
+  for (int c = 0, diagonal = 0; c < columns; ++c)
+  {
+    const bool is_inside = diagonal < rows && triangle.columns[static_cast<std::size_t>(diagonal)] == c;
+    diagonal += is_inside ? 1 : 0; // a column that was left out ends above the diagonal
+    for (int i = 0; i < diagonal; ++i)
+      matrix(i, c) = equations.column(c)[i];
+  }
+  if (rows == 0)
+    return;
+  const Small_vector x = solve(matrix, rhs);
+  for (int c = 0; c < columns; ++c)
+    coefficients[static_cast<std::size_t>(c + equations.first_coefficient())] = x[c] * equations.scaling(c);
+}
+
+inline void solve_by_pivoted_qr(const Weighted_points& points, int degree, double relative_bound,
+                                std::span<double> coefficients)
+{
+  solve_compressed(points, degree, coefficients, [&](const Small_matrix& matrix, const Small_vector& rhs) {
+    Eigen::ColPivHouseholderQR<Small_matrix> qr(matrix.rows(), matrix.cols());
+    qr.setThreshold(relative_bound);
+    qr.compute(matrix);
+    return Small_vector(qr.solve(rhs));
+  });
+}
+
+inline void solve_by_truncated_svd(const Weighted_points& points, int degree, double relative_bound,
+                                   std::span<double> coefficients)
+{
+  solve_compressed(points, degree, coefficients, [&](const Small_matrix& matrix, const Small_vector& rhs) {
+    Eigen::JacobiSVD<Small_matrix> svd(matrix, Eigen::ComputeThinU | Eigen::ComputeThinV);
+    svd.setThreshold(relative_bound);
+    return Small_vector(svd.solve(rhs));
+  });
+}
+
+} // namespace recurve::internal::surface
+
+#endif
