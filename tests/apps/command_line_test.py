@@ -20,7 +20,7 @@ import numpy
 
 RECURVE, WRITE_SAMPLES, FOLDER = None, None, None
 
-DONE, USAGE, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+DONE, USAGE, BAD_INPUT, UNCERTIFIED, INTERRUPTED = 0, 1, 2, 3, 130
 
 WING = Path(__file__).resolve().parents[2] / "data" / "wing_tetrahedra.cgns"
 
@@ -126,6 +126,38 @@ class Command_line(unittest.TestCase):
         self.assertEqual([(p["name"], p["quadrangles"], p["place"]) for p in summary["patches"]],
                          [("sphere", 96, "boundary"), ("outer", 96, "boundary")])
         self.assertEqual(self.files(), ["shell.cgns"])
+
+    def test_check(self):
+        run = recurve("check", self.mesh)
+        self.assertEqual((run.returncode, run.stderr), (DONE, ""))
+        for word in ("degree 1", "192 cells", "hexahedra", "worst cells", "every cell is certified valid"):
+            self.assertIn(word, run.stdout)
+        recurve("curve", self.mesh, self.out)
+        found = json.loads(recurve("check", self.out, "--json", "--worst", "3").stdout)
+        self.assertTrue(found["is_valid"])
+        self.assertEqual((found["degree"], found["cells"], len(found["worst_cells"])), (2, 192, 3))
+        self.assertEqual(found["jacobians"]["by_type"]["hexahedron"]["valid"], 192)
+
+    def test_check_finds_a_folded_cell(self):
+        recurve("curve", self.mesh, self.out)
+        with h5py.File(self.out, "r+") as file:
+            zone = file["Base/shell"]
+            nodes = zone["cells/ElementConnectivity/ data"][:27]
+            inside = nodes[26] - 1  # the node in the middle of the first cell goes where its first corner is
+            for c in "XYZ":
+                x = zone[f"GridCoordinates/Coordinate{c}/ data"]
+                x[inside] = x[nodes[0] - 1]
+        picture = self.folder / "verdict.vtu"
+        run = recurve("check", self.out, "--vtu", picture)
+        self.assertEqual((run.returncode, run.stderr), (UNCERTIFIED, ""))
+        for word in ("NOT VALID: 1 invalid", "invalid hexahedron 0", "sphere"):
+            self.assertIn(word, run.stdout)
+        self.assertTrue(picture.exists())
+
+    def test_check_refuses(self):
+        self.assert_fails(recurve("check", self.folder / "none.cgns"), BAD_INPUT, "none.cgns")
+        self.assert_fails(recurve("check"), USAGE, "FILE")
+        self.assert_fails(recurve("check", self.mesh, "--vtu", "a.txt"), USAGE, "a.txt")
 
     def test_curve(self):
         before = self.mesh.read_bytes()

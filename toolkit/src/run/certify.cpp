@@ -71,10 +71,10 @@ public:
     straight_ = straight_positions(mesh_, cells_);
     find_displaced();
     find_roles();
-    levels_.resize(mesh_.nodes.size());
+    node_factors_.resize(mesh_.nodes.size());
     Step_counter steps(progress, "certify", 2 * cells_.count);
     result_.restoration =
-      restore_validity(mesh_.nodes, straight_, cells_.blocks, mesh_.degree, {roles_, linked_, levels_}, options_,
+      restore_validity(mesh_.nodes, straight_, cells_.blocks, mesh_.degree, {roles_, linked_, node_factors_}, options_,
                        [&](Index block, Index element, const Jacobian_bounds& bounds) {
                          const auto n = static_cast<std::size_t>(cells_.number(block, element));
                          result_.bounds.scaled[n] = bounds.scaled;
@@ -136,14 +136,14 @@ private:
     return describe_cells(mesh_, result_.bounds, numbers);
   }
 
-  /// the largest level of a displaced node.
-  std::uint8_t level_of(std::span<const Index> nodes) const
+  /// the smallest factor of a displaced node.
+  double factor_of(std::span<const Index> nodes) const
   {
-    std::uint8_t level = 0;
+    double factor = 1;
     for (const Index node : nodes)
       if (is_displaced_[static_cast<std::size_t>(node)] != 0)
-        level = std::max(level, levels_[static_cast<std::size_t>(node)]);
-    return level;
+        factor = std::min(factor, node_factors_[static_cast<std::size_t>(node)]);
+    return factor;
   }
 
   void find_factors()
@@ -153,7 +153,7 @@ private:
     {
       const auto stride = static_cast<std::size_t>(node_count(block.type, mesh_.degree));
       for (std::size_t first = 0; first < block.nodes.size(); first += stride)
-        result_.factors.push_back(curving_factors[level_of(block.nodes.subspan(first, stride))]);
+        result_.factors.push_back(factor_of(block.nodes.subspan(first, stride)));
     }
   }
 
@@ -187,10 +187,10 @@ private:
       const double own_area = area(corners);
       ++result_.curved_faces;
       result_.curved_area += own_area;
-      if (const std::uint8_t level = level_of(nodes); level == 0)
+      if (const double factor = factor_of(nodes); factor == 1)
         result_.full_area += own_area;
       else
-        result_.reduced_faces.push_back(reduced_face(zone, face, corners, curving_factors[level]));
+        result_.reduced_faces.push_back(reduced_face(zone, face, corners, factor));
     });
   }
 
@@ -229,7 +229,7 @@ private:
   std::vector<Point> straight_;
   std::vector<std::uint8_t> is_displaced_;
   std::vector<Node_role> roles_;
-  std::vector<std::uint8_t> levels_;
+  std::vector<double> node_factors_;
   std::vector<std::vector<Index>> patch_of_face_; ///< per zone; made when needed
   Certification result_;
 };

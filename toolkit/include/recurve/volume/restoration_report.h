@@ -72,8 +72,9 @@ struct Restoration_report
   Index repaired_cells = 0; ///< of them, those that moving inner nodes has made valid
   Index repaired_nodes = 0; ///< inner nodes that were moved for it
   Index reduced_cells = 0;  ///< cells with a node that has lost curvature
-  std::array<Index, curving_factors.size()> nodes_of_level = {}; ///< displaced nodes by their factor
-  Index rounds = 0;                                              ///< of reduction and certification
+  std::array<Index, curving_factors.size()> nodes_of_level =
+    {};             ///< displaced nodes by the first of `curving_factors` that is not above theirs
+  Index rounds = 0; ///< of reduction and certification
 
   bool is_certified() const { return uncertified.empty(); }
 };

@@ -26,8 +26,8 @@ struct Restoration_nodes
   /// boundary.
   std::span<const std::array<Index, 2>> linked = {};
 
-  /// Result, one per node or empty: the entry of `curving_factors` that the node ended with.
-  std::span<std::uint8_t> levels = {};
+  /// Result, one per node or empty: the share of its displacement that the node has kept, from 0 to 1.
+  std::span<double> factors = {};
 };
 
 /// makes every cell of a curved mesh certified valid whose straight-sided cell is, by giving up as little curvature as
@@ -42,7 +42,8 @@ struct Restoration_nodes
 ///    all. All failing cells decide from the same state, the smallest factor asked for counts, and then every cell that
 ///    shares a node is certified anew. Factors never grow, and a cell whose factors are all 0 is the straight-sided
 ///    one: so it ends.
-/// 5. Factors fade out over some layers; then 4 again.
+/// 5. Reductions fade out over some layers; then 4 again. Where this does not come to rest soon (in layers thinner than
+///    the displacement), it is undone, and displacements are scaled smoothly around failing cells instead.
 /// 6. All cells are certified, with nothing taken over from before.
 ///
 /// A node shared by cells, or by zones, stays shared; one that has not been displaced stays where it is, to the bit;
@@ -69,11 +70,11 @@ Restoration_report restore_validity(Points&& nodes, const Straight& straight, co
   for (const auto& block : blocks)
     views.push_back({block.type, std::span<const Index>(block.nodes)});
   internal::check_restoration(views, degree, std::ranges::size(nodes), std::ranges::size(straight), about.roles.size(),
-                              about.levels.size(), about.linked, options);
+                              about.factors.size(), about.linked, options);
   internal::Restoration restoration(nodes, straight, views, degree, about.roles, about.linked, options, visit);
   Restoration_report report = restoration.run();
-  if (!about.levels.empty())
-    std::ranges::copy(restoration.levels(), about.levels.begin());
+  for (std::size_t n = 0; n < about.factors.size(); ++n)
+    about.factors[n] = restoration.factor(static_cast<Index>(n));
   return report;
 }
 

@@ -41,17 +41,26 @@ public:
 
   bool is_displaced(Index node) const { return full(node) != straight(node); }
 
+  /// the share of its displacement that the node keeps at a level.
+  double factor(Index node, std::uint8_t level) const
+  {
+    const auto found = fades_.find(node);
+    return curving_factors[level] * (found == fades_.end() ? 1 : found->second);
+  }
+  double factor(Index node) const { return factor(node, level(node)); }
+
   /// where the node stands at a level. A coordinate that both positions share is theirs, to the bit.
   Point position(Index node, std::uint8_t level) const
   {
     const Point from = straight(node), to = full(node);
-    if (level == 0)
+    const double share = factor(node, level);
+    if (share == 1)
       return to;
-    if (level == straight_level)
+    if (share == 0)
       return from;
     Point result;
     for (std::size_t d = 0; d < 3; ++d)
-      result[d] = from[d] + curving_factors[level] * (to[d] - from[d]);
+      result[d] = from[d] + share * (to[d] - from[d]);
     return result;
   }
 
@@ -65,10 +74,31 @@ public:
     mark(node);
   }
 
+  /// asks for a displacement of at most `share`, beside what levels ask for. Takes effect with `apply()`.
+  void fade(Index node, double share)
+  {
+    double& own = fades_.try_emplace(node, 1).first->second;
+    if (share >= own)
+      return;
+    own = share;
+    mark(node);
+  }
+
+  /// takes levels back to what they were. Takes effect with `apply()`.
+  void reset(std::span<const std::uint8_t> levels)
+  {
+    for (Index node = 0; node < static_cast<Index>(levels_.size()); ++node)
+      if (level(node) != levels[static_cast<std::size_t>(node)])
+      {
+        levels_[static_cast<std::size_t>(node)] = levels[static_cast<std::size_t>(node)];
+        mark(node);
+      }
+  }
+
   /// gives a node that has its full displacement another one. Takes effect at once.
   void move(Index node, const Point& position)
   {
-    if (level(node) != 0)
+    if (factor(node) != 1)
       return;
     set(node, position);
     mark(node);
@@ -80,9 +110,8 @@ public:
     agree();
     for (const Index node : changes_)
     {
-      if (level(node) == 0)
-        continue;
-      full_.try_emplace(node, current(node));
+      if (factor(node) != 1)
+        full_.try_emplace(node, current(node));
       set(node, position(node, level(node)));
     }
   }
@@ -123,6 +152,10 @@ private:
         is_settled = is_settled && level(a) == common && level(b) == common;
         request(a, common);
         request(b, common);
+        const double share = std::min(factor(a, 0), factor(b, 0));
+        is_settled = is_settled && factor(a, 0) == share && factor(b, 0) == share;
+        fade(a, share);
+        fade(b, share);
       }
     }
   }
@@ -132,7 +165,8 @@ private:
   std::span<const std::array<Index, 2>> linked_;
   std::vector<std::uint8_t> levels_, changed_;
   std::vector<Index> changes_;
-  std::unordered_map<Index, Point> full_; ///< of nodes that are reduced
+  std::unordered_map<Index, Point> full_;   ///< of nodes that are or were reduced
+  std::unordered_map<Index, double> fades_; ///< share that is kept beside what the levels take; 1 where absent
 };
 
 } // namespace recurve::internal

@@ -85,7 +85,7 @@ private:
     for (const Block_element cell : region_)
       for (const Index node : cells_.nodes(cell))
         is_movable_[static_cast<std::size_t>(node)] =
-          roles_[static_cast<std::size_t>(node)] == Node_role::inside && levels_.level(node) == 0;
+          roles_[static_cast<std::size_t>(node)] == Node_role::inside && levels_.factor(node) == 1;
     const auto fix = [this](std::span<const Index> nodes) {
       for (const Index node : nodes)
         is_movable_[static_cast<std::size_t>(node)] = 0;

@@ -6,6 +6,7 @@
 #include <recurve/elements/node_layout.h>
 #include <recurve/volume/bound_jacobian.h>
 #include <recurve/volume/internal/curving_levels.h>
+#include <recurve/volume/internal/fade_balls.h>
 #include <recurve/volume/internal/flat_cell.h>
 #include <recurve/volume/internal/repair_interior.h>
 #include <recurve/volume/internal/restoration_cells.h>
@@ -15,7 +16,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
+#include <limits>
+#include <map>
 #include <span>
 #include <utility>
 #include <vector>
@@ -44,9 +48,10 @@ public:
       report_.restored = report_.deformed;
     else
     {
-      reduce(repair_with_surface(std::move(failing)));
-      smooth();
-      reduce(repair(certify_changes()));
+      failing = repair(std::move(failing));
+      if (!reduce_nearby(failing))
+        fade(std::move(failing));
+      reduce(repair(cells_.with(Restoration_cells::failing)), most_rounds);
       report_.restored = certify_all(); // anew: nothing rests on what was remembered
       report_.uncertified = cells_.with(Restoration_cells::failing);
     }
@@ -54,7 +59,8 @@ public:
     return std::move(report_);
   }
 
-  std::span<const std::uint8_t> levels() const { return levels_.levels(); }
+  /// share of its displacement that a node has kept.
+  double factor(Index node) const { return levels_.factor(node); }
 
 private:
   // Certification. ---------------------------------------------------------------------------------------------------
@@ -133,7 +139,18 @@ private:
     }
   }
 
-  /// whether the cell would be certified with its nodes at `position(node)`.
+  /// Effort for a cell that is only being considered: one that takes more is not worth having, and the certificate has
+  /// the last word anyway.
+  Jacobian_options quick_options() const
+  {
+    constexpr int few_parts = 500, few_exact_parts = 8;
+    Jacobian_options options = options_.jacobian;
+    options.max_parts = std::min(options.max_parts, few_parts);
+    options.max_exact_parts = std::min(options.max_exact_parts, few_exact_parts);
+    return options;
+  }
+
+  /// whether the cell would be certified, without much effort, with its nodes at `position(node)`.
   template <class Position>
   bool is_valid(Block_element cell, const Position& position) const
   {
@@ -148,7 +165,7 @@ private:
     const Element_type type = cells_.type(cell);
     const auto bounds = [&](int degree) {
       return bound_jacobian(type, degree, std::span(points).first(static_cast<std::size_t>(node_count(type, degree))),
-                            options_.jacobian);
+                            quick_options());
     };
     if (is_straight)
     {
@@ -174,39 +191,6 @@ private:
     std::vector<Block_element> rest = cells_.with(Restoration_cells::failing);
     report_.repaired_cells += static_cast<Index>(failing.size()) - static_cast<Index>(rest.size());
     return rest;
-  }
-
-  /// repairs; where that does not suffice, lowers the boundary of failing cells by one step of the ladder, and repairs
-  /// again: the inside follows the boundary better than by giving up its own displacement.
-  std::vector<Block_element> repair_with_surface(std::vector<Block_element> failing)
-  {
-    failing = repair(std::move(failing));
-    bool is_better = options_.repair_layers > 0;
-    for (int step = 0; is_better && step < straight_level && lower_boundary(failing); ++step)
-    {
-      ++report_.rounds;
-      certify_changes();
-      std::vector<Block_element> rest = repair(cells_.with(Restoration_cells::failing));
-      is_better = rest.size() < failing.size();
-      failing = std::move(rest);
-    }
-    return failing;
-  }
-
-  /// lowers displaced nodes on the boundary of failing cells by one level. Returns whether there were any.
-  bool lower_boundary(std::span<const Block_element> failing)
-  {
-    std::vector<std::pair<Index, std::uint8_t>> wanted;
-    for (const Block_element cell : failing)
-      for (const Index node : cells_.nodes(cell))
-        if (const std::uint8_t level = levels_.level(node);
-            roles_[static_cast<std::size_t>(node)] != Node_role::inside && level < straight_level &&
-            levels_.is_displaced(node))
-          wanted.emplace_back(node, static_cast<std::uint8_t>(level + 1));
-    for (const auto& [node, level] : wanted)
-      levels_.request(node, level);
-    levels_.apply();
-    return !wanted.empty();
   }
 
   // Reduction. -------------------------------------------------------------------------------------------------------
@@ -246,10 +230,14 @@ private:
     return to_straight;
   }
 
-  /// reduces until no cell fails. Every failing cell decides from the same levels; the largest level asked for counts.
-  void reduce(std::vector<Block_element> failing)
+  /// More than any run can take: each round of reduction lowers a node.
+  static constexpr Index most_rounds = std::numeric_limits<Index>::max();
+
+  /// reduces until no cell fails, or for so many rounds. Every failing cell decides from the same levels; the largest
+  /// level asked for counts. Returns whether no cell fails.
+  bool reduce(std::vector<Block_element> failing, Index rounds)
   {
-    while (!failing.empty())
+    for (; !failing.empty() && rounds > 0; --rounds)
     {
       ++report_.rounds;
       std::vector<Reduction> reductions(failing.size());
@@ -259,10 +247,82 @@ private:
         for (const Index node : cells_.nodes(failing[f]))
           levels_.request(node, reduced_level(node, reductions[f]));
       if (!levels_.has_changes())
-        return; // cells that are straight, and fail: not of a conforming mesh
+        return false; // cells that are straight, and fail: not of a conforming mesh
       levels_.apply();
       failing = certify_changes();
     }
+    return failing.empty();
+  }
+
+  /// reduces failing cells one by one and lets that fade out over their neighbours. In layers thinner than the
+  /// displacement that makes the neighbours fail in turn, and so on: then nothing is done. Returns whether it was.
+  bool reduce_nearby(const std::vector<Block_element>& failing)
+  {
+    constexpr Index few = 8; // rounds; a reduction that stays local needs fewer
+    const std::vector<std::uint8_t> before(levels_.levels().begin(), levels_.levels().end());
+    if (reduce(failing, few))
+    {
+      smooth();
+      if (reduce(certify_changes(), few))
+        return true;
+    }
+    levels_.reset(before);
+    levels_.apply();
+    certify_changes();
+    return false;
+  }
+
+  /// scales the displacements around failing cells, smoothly over the size of the cells along their longest edges, so
+  /// that all layers of a thin stack keep the same share. What fails again is scaled more, by the steps of the ladder;
+  /// after the last of them the cell is straight.
+  void fade(std::vector<Block_element> failing)
+  {
+    std::map<Block_element, std::size_t> steps;
+    while (!failing.empty())
+    {
+      ++report_.rounds;
+      std::vector<Fade_ball> balls;
+      for (const Block_element cell : failing)
+        if (std::size_t& step = steps[cell]; step < straight_level)
+          balls.push_back(ball_around(cell, curving_factors[++step]));
+      if (balls.empty())
+        return;
+      const Fade_balls all(balls);
+      const auto count = static_cast<Index>(levels_.levels().size());
+      std::vector<double> shares(static_cast<std::size_t>(count), 1);
+      tbb::parallel_for(Index(0), count, [&](Index n) {
+        if (levels_.is_displaced(n))
+          shares[static_cast<std::size_t>(n)] = all.factor_at(levels_.straight(n));
+      });
+      for (Index n = 0; n < count; ++n)
+        if (shares[static_cast<std::size_t>(n)] != 1)
+          levels_.fade(n, shares[static_cast<std::size_t>(n)]);
+      levels_.apply();
+      certify_changes();
+      failing = cells_.with(Restoration_cells::failing);
+    }
+  }
+
+  /// about the middle of the corners, with room for all of them and a little more, for rounding.
+  Fade_ball ball_around(Block_element cell, double factor) const
+  {
+    const auto corners = cells_.nodes(cell).first(static_cast<std::size_t>(corner_count(cells_.type(cell))));
+    Fade_ball ball;
+    ball.factor = factor;
+    Point least = levels_.straight(corners[0]), largest = least;
+    for (const Index node : corners)
+    {
+      const Point p = levels_.straight(node);
+      for (std::size_t d = 0; d < 3; ++d)
+      {
+        least[d] = std::min(least[d], p[d]);
+        largest[d] = std::max(largest[d], p[d]);
+      }
+    }
+    for (std::size_t d = 0; d < 3; ++d)
+      ball.center[d] = least[d] + (largest[d] - least[d]) / 2;
+    ball.radius = 0.55 * std::hypot(largest[0] - least[0], largest[1] - least[1], largest[2] - least[2]);
+    return ball;
   }
 
   /// lets reductions fade out: on the boundary from face to face, inside from cell to cell.
@@ -321,16 +381,25 @@ private:
 
   // Report. ----------------------------------------------------------------------------------------------------------
 
+  /// the first factor of the ladder that is not above `factor`.
+  static std::size_t rung(double factor)
+  {
+    std::size_t level = 0;
+    while (curving_factors[level] > factor)
+      ++level;
+    return level;
+  }
+
   void count_nodes()
   {
     for (Index n = 0; n < static_cast<Index>(levels_.levels().size()); ++n)
       if (levels_.is_displaced(n))
-        ++report_.nodes_of_level[levels_.level(n)];
+        ++report_.nodes_of_level[rung(levels_.factor(n))];
     report_.reduced_cells = static_cast<Index>(cells_
                                                  .select([this](Block_element cell) {
                                                    const auto nodes = cells_.nodes(cell);
                                                    return std::any_of(nodes.begin(), nodes.end(), [this](Index n) {
-                                                     return levels_.level(n) > 0 && levels_.is_displaced(n);
+                                                     return levels_.factor(n) != 1 && levels_.is_displaced(n);
                                                    });
                                                  })
                                                  .size());

@@ -23,7 +23,7 @@ namespace recurve::internal {
 
 /// \throws Input_error if the arguments of `restore_validity()` do not fit together.
 inline void check_restoration(std::span<const Element_block> blocks, int degree, std::size_t nodes,
-                              std::size_t straight, std::size_t roles, std::size_t levels,
+                              std::size_t straight, std::size_t roles, std::size_t factors,
                               std::span<const std::array<Index, 2>> linked, const Restoration_options& options)
 {
   check_options(options.jacobian);
@@ -34,8 +34,8 @@ inline void check_restoration(std::span<const Element_block> blocks, int degree,
   };
   same("straight positions", straight);
   same("roles", roles);
-  if (levels != 0)
-    same("levels", levels);
+  if (factors != 0)
+    same("factors", factors);
   for (const Element_block& block : blocks)
   {
     check_element(block.type, degree);
