@@ -7,10 +7,12 @@
 #include <recurve/io/mesh_io.h>
 #include <recurve/io/vtk.h>
 #include <recurve/run/curve_mesh.h>
+#include <recurve/run/curve_surface_mesh.h>
 #include <recurve/run/stages.h>
 
 #include <array>
 #include <chrono>
+#include <map>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -113,10 +115,40 @@ std::array<std::string, 2> split_pair(const std::string& pair)
   return {pair.substr(0, comma), pair.substr(comma + 1)};
 }
 
+/// curves a surface mesh (OFF, OBJ, PLY, STL), which has neither patches nor an interior.
+int run_on_surface(const Curve_arguments& given)
+{
+  if (!given.options.curve.empty() || !given.options.keep.empty() || given.options.feature_edits)
+    throw Usage_error(
+      fmt::format("{}: a surface mesh has no patches to choose and no edges to edit", given.input.string()));
+  if (!given.report.empty())
+    throw Usage_error("--report: there is none for a surface mesh");
+  Progress_bar bar(!given.is_quiet);
+  const Progress_callback progress = callback_of(bar);
+  Pending_file file(given.output);
+  remember_unfinished(0, file.path());
+  Surface_mesh_report report;
+  const Curved_mesh curved = naming(
+    given.input, [&] { return curve_surface_mesh(read_surface_mesh(given.input), given.options, &report, progress); });
+  write_mesh(curved, file, {}, progress);
+  file.commit();
+  bar.finish();
+  if (!given.is_quiet)
+    fmt::print(
+      "{}: {} faces curved to degree {}; {} critical edges; {} at a lower degree; {} nodes moved, the farthest "
+      "{:.4g}\nwrote {}\n",
+      given.input.string(), report.fits.faces, given.options.degree, report.features.critical_edges,
+      report.fits.lowered_faces, report.curving.moved_edge_nodes + report.curving.moved_face_nodes,
+      report.curving.largest_displacement, given.output.string());
+  return exit_done;
+}
+
 int run(Curve_arguments& given)
 {
   finish_surface_options(given.surface, given.options);
   check_files(given);
+  if (is_surface_file(given.input))
+    return run_on_surface(given);
   for (const std::string& pair : given.periodic)
     given.options.periodic.push_back(split_pair(pair));
   given.options.record_jacobians = !given.histogram.empty();
@@ -217,6 +249,12 @@ Command add_curve_command(CLI::App& app)
     ->add_option("-d,--fit-degree", given->options.fit_degree,
                  "degree of the polynomials fitted to the surface (default: the degree of the elements, at least 2)")
     ->check(CLI::Range(1, max_degree));
+  curve
+    ->add_option("--fit-preset", given->options.fit_preset,
+                 "how the surface is fitted: default, or as in the paper by Ims and Wang")
+    ->transform(CLI::CheckedTransformer(
+      std::map<std::string, Fit_preset>{{"default", Fit_preset::standard}, {"paper", Fit_preset::paper}}))
+    ->default_str("default");
   add_surface_options(*curve, given->surface, given->options);
   add_deformation_options(*curve, *given);
   add_output_options(*curve, given->write);

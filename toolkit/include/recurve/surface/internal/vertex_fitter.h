@@ -33,6 +33,18 @@ inline constexpr double least_spread_ratio = 1e-8;
 /// oscillates. At a border the estimate is half of the truth.
 inline constexpr double largest_departure = 0.75;
 
+/// Where a fit departs from the normals' estimate it must agree so many times better with the fit of two degrees less.
+inline constexpr double strictness_in_doubt = 3;
+
+/// Differences in lengths of the edge that are no oscillation, but what fits have to say where a surface is nearly
+/// flat; the second where the alternative is no fit at all.
+inline constexpr double harmless_difference = 1e-3;
+inline constexpr double harmless_parabola = 1e-2;
+
+/// What the normals tell at a rim may be off by the whole bend, since a normal there is that of one side: as many times
+/// what is negligible elsewhere.
+inline constexpr double uncertainty_at_rim = 3;
+
 /// Fits one vertex after another; holds the memory that every fit needs, so that fits allocate nothing.
 template <class Policies>
 class Vertex_fitter
@@ -209,14 +221,19 @@ private:
         continue;
       if (degree <= 2 && bend.is_short(edge_length))
         continue; // flat would be worse: it gives up the long edges for the short ones
-      const auto departs = [&](double other, double bound) {
+      const auto departs = [&](double other, double bound, double least) {
         const double difference = std::abs(own - other);
-        return difference > negligible && difference > bound * std::max(std::abs(own), std::abs(other));
+        return difference > least && difference > bound * std::max(std::abs(own), std::abs(other));
       };
-      if (departs(estimate, largest_departure))
-        return {Lowering_reason::disagreement, false};
+      const bool is_at_rim = surface_->is_rim[vertex] || surface_->is_rim[neighbor];
+      const double unsure = is_at_rim ? uncertainty_at_rim * negligible : negligible;
+      const bool is_doubtful = departs(estimate, largest_departure, unsure);
       if (degree <= 2)
+      {
+        if (is_doubtful && departs(estimate, largest_departure, harmless_parabola * edge_length))
+          return {Lowering_reason::disagreement, false};
         continue;
+      }
       if (!has_lower)
       {
         lower = fit;
@@ -224,7 +241,9 @@ private:
           return {Lowering_reason::not_finite, false};
         has_lower = true;
       }
-      if (departs(middle_displacement(lower, end), largest_disagreement_))
+      const double strictness = is_doubtful ? strictness_in_doubt : 1;
+      if (departs(middle_displacement(lower, end), largest_disagreement_ / strictness,
+                  std::max(negligible / strictness, harmless_difference * edge_length)))
         return {Lowering_reason::disagreement, false};
     }
     return {};
