@@ -27,7 +27,8 @@ std::string printable(std::string_view text);
 class Input_file
 {
 public:
-  explicit Input_file(const std::filesystem::path& file, const Progress_callback& progress = {});
+  /// \param progress  must outlive the object.
+  Input_file(const std::filesystem::path& file, const Progress_callback& progress);
 
   std::uint64_t size() const { return size_; }
   std::uint64_t offset() const { return buffer_offset_ + at_; }
