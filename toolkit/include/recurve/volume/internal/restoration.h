@@ -85,12 +85,12 @@ private:
                        [this](Index n) { return levels_.current(n) == levels_.straight(n); });
   }
 
-  void note(Block_element cell, const Jacobian_bounds& bounds)
+  void note(Block_element cell, Validity verdict)
   {
     if (cells_.has(Restoration_cells::excluded, cell))
       return;
     std::uint8_t& flags = cells_.flags(cell);
-    if (bounds.verdict == Validity::valid)
+    if (verdict == Validity::valid)
       flags &= static_cast<std::uint8_t>(~Restoration_cells::failing);
     else
       flags |= Restoration_cells::failing;
@@ -104,12 +104,13 @@ private:
         return is_straight({block, element});
       },
       [this](Index block, Index element, const Jacobian_bounds& bounds) {
-        note({block, element}, bounds);
+        note({block, element}, bounds.verdict);
         visit_(block, element, bounds);
       });
   }
 
-  /// certifies the cells with a changed node anew. Returns those of them that fail.
+  /// certifies the cells with a changed node anew, without much effort: what takes more counts as failing until the
+  /// end. Returns those of them that fail.
   std::vector<Block_element> certify_changes()
   {
     const std::vector<Block_element> touched = cells_.touching(levels_.changed());
@@ -124,8 +125,11 @@ private:
   void certify(std::span<const Block_element> selection)
   {
     const auto short_test = [this](Index block, Index element) { return is_straight({block, element}); };
+    const Jacobian_options quick = quick_options();
     const auto noted = [this](Index block, Index element, const Jacobian_bounds& bounds) {
-      note({block, element}, bounds);
+      const Block_element cell{block, element};
+      const bool is_certified = is_straight(cell); // at the start, with all effort
+      note(cell, is_certified ? Validity::valid : bounds.verdict);
     };
     using Bounder = Block_bounder<Points, decltype(short_test), decltype(noted)>;
     for (auto first = selection.begin(); first != selection.end();)
@@ -134,7 +138,7 @@ private:
       const Index block = first->block;
       for (; first != selection.end() && first->block == block; ++first)
         elements.push_back(first->element);
-      Bounder(nodes_, cells_.block(block), block, cells_.degree(), options_.jacobian, short_test, noted, bounders_)
+      Bounder(nodes_, cells_.block(block), block, cells_.degree(), quick, short_test, noted, bounders_)
         .report(elements);
     }
   }
