@@ -1,6 +1,6 @@
 // Curves a surface mesh (OFF, OBJ, PLY, STL) and writes its faces as curved triangles and quads for VTK and ParaView.
 //
-//   12_curve_a_surface_file [surface.off [out.vtu]]; without an argument it makes a cylinder of 12 sides itself.
+//   10_curve_a_surface_file [surface.off [out.vtu]]; without an argument it makes a cylinder of 12 sides itself.
 
 #include <recurve/io/vtk.h>
 #include <recurve/run/curve_surface_mesh.h>

@@ -191,7 +191,7 @@ class Command_line(unittest.TestCase):
         run = recurve("curve", self.mesh, self.out, "--report", self.report, "--histogram", picture)
         self.assertEqual(run.returncode, DONE, run.stderr)
         report = json.loads(self.report.read_text())
-        self.assertEqual([s["stage"] for s in report["jacobians"]], ["straight", "curved", "deformed"])
+        self.assertEqual([s["stage"] for s in report["jacobians"]], ["straight", "curved", "deformed", "certified"])
         self.assertEqual(report["jacobians"][2]["valid"], report["cells"]["total"])
         self.assertGreater(report["deformation"]["moved_nodes"], 0)
         self.assertTrue(picture.read_text().startswith("<svg"))
@@ -506,9 +506,19 @@ class Command_line(unittest.TestCase):
             self.assert_refuses(BAD_INPUT, "shell.cgns", "shell", "cells", "5", str(node))
 
     def test_elements_that_are_not_linear_cells(self):
-        for number, word in ((19, "HEXA_27"), (22, "NGON_n"), (23, "NFACE_n")):
+        for number, word in ((22, "NGON_n"), (23, "NFACE_n")):
             self.edit("Base/shell/cells", lambda values: values.__setitem__(0, number))
             self.assert_refuses(BAD_INPUT, "shell.cgns", "shell", "cells", word)
+
+    def test_elements_of_several_degrees(self):
+        hexa_27 = 19
+        self.edit("Base/shell/cells", lambda values: values.__setitem__(0, hexa_27))
+        self.assert_refuses(BAD_INPUT, "shell.cgns", "shell", "QUAD_4", "degree 2")
+
+    def test_mesh_that_is_curved_already(self):
+        curved = self.mesh.with_name("curved.cgns")
+        self.assertEqual(recurve("curve", self.mesh, curved).returncode, 0)
+        self.assert_fails(recurve("curve", curved, self.mesh.with_name("again.cgns")), BAD_INPUT, "curved.cgns", "degree 2")
 
     def test_mesh_without_cells(self):
         with h5py.File(self.mesh, "r+") as file:

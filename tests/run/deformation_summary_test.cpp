@@ -137,10 +137,11 @@ TEST_CASE("layers thinner than the bulge of the wall fold where only the wall is
   Curving_report report;
   const Curved_mesh curved = curve_mesh(linear, {.degree = degree, .record_jacobians = true}, &report);
   const Curved_mesh straight = straight_of(linear, degree);
-  REQUIRE(report.jacobians.stages.size() == 3);
+  REQUIRE(report.jacobians.stages.size() == 4);
   CHECK(report.jacobians.stages[0].inverted == 0);
   CHECK(report.jacobians.stages[1].inverted >= shape.around * shape.along); // at least the cells at the wall
   CHECK(report.jacobians.stages[2].inverted == 0);
+  CHECK(report.jacobians.stages[3].inverted == 0);
   CHECK(report.jacobians.scaled.size() == static_cast<std::size_t>(report.cells));
   CHECK(std::ranges::all_of(report.jacobians.scaled, [](double scaled) { return scaled > 0; }));
   // Corners stay.
