@@ -15,8 +15,8 @@ using Point_3 = CGAL::Exact_predicates_inexact_constructions_kernel::Point_3;
 using Mesh = CGAL::Surface_mesh<Point_3>;
 namespace PMP = CGAL::Polygon_mesh_processing;
 
-template <class Edge_is_critical>
-double critical_length(const Mesh& mesh, Edge_is_critical is_critical)
+template <class EdgeIsCriticalMap>
+double critical_length(const Mesh& mesh, EdgeIsCriticalMap is_critical)
 {
   double length = 0;
   for (const auto e : mesh.edges())

@@ -6,10 +6,10 @@ namespace {
 
 namespace cgal = CGAL::parameters;
 
-template <class Named_parameters>
-constexpr bool takes_point_map_and_edge_map(const Named_parameters&)
+template <class NamedParameters>
+constexpr bool takes_point_map_and_edge_map(const NamedParameters&)
 {
-  return recurve::only_names<Named_parameters, recurve::names::vertex_point_map,
+  return recurve::only_names<NamedParameters, recurve::names::vertex_point_map,
                              recurve::names::edge_is_constrained_map>;
 }
 

@@ -62,8 +62,8 @@ public:
     remember_unfinished(slot, file_->path());
   }
 
-  template <class Make_text>
-  void write(const Make_text& make_text)
+  template <class MakeText>
+  void write(const MakeText& make_text)
   {
     if (!name_.empty())
       write_text(make_text(), file_ ? file_->path() : name_, name_);

@@ -54,8 +54,8 @@ Factors power_factors(int degree, double t)
 class Simplex_basis
 {
 public:
-  template <class Make_factors>
-  Simplex_basis(int degree, std::initializer_list<double> coordinates, Make_factors make_factors) : degree_(degree)
+  template <class MakeFactors>
+  Simplex_basis(int degree, std::initializer_list<double> coordinates, MakeFactors make_factors) : degree_(degree)
   {
     double rest = 1;
     for (double t : coordinates)
@@ -127,8 +127,8 @@ Simplex_product simplices_of(Element_type type)
 class Product_basis
 {
 public:
-  template <class Make_factors>
-  Product_basis(Element_type type, int degree, const Reference_point& xi, Make_factors make_factors)
+  template <class MakeFactors>
+  Product_basis(Element_type type, int degree, const Reference_point& xi, MakeFactors make_factors)
     : product_(simplices_of(type))
   {
     int axis = 0;
@@ -352,17 +352,17 @@ private:
   std::array<std::array<Entry, max_degree + 1>, all_element_types.size()> entries_;
 };
 
-template <class Scalar_or_gradient>
-void pyramid_lagrange(int degree, std::span<const Scalar_or_gradient> bernstein, std::span<Scalar_or_gradient> lagrange)
+template <class ScalarOrGradient>
+void pyramid_lagrange(int degree, std::span<const ScalarOrGradient> bernstein, std::span<ScalarOrGradient> lagrange)
 {
   const Matrix& inverse = lagrange_to_bernstein(Element_type::pyramid, degree);
   for (std::size_t m = 0; m < lagrange.size(); ++m)
   {
-    Scalar_or_gradient sum = {};
+    ScalarOrGradient sum = {};
     for (std::size_t n = 0; n < bernstein.size(); ++n)
     {
       const double c = inverse(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(m));
-      if constexpr (std::is_same_v<Scalar_or_gradient, double>)
+      if constexpr (std::is_same_v<ScalarOrGradient, double>)
         sum += c * bernstein[n];
       else
         for (int axis = 0; axis < 3; ++axis)

@@ -36,8 +36,8 @@ struct Face_intersection
 /// \return ascending by first and second; independent of the number of threads.
 /// \par Complexity  O(n log^2 n + pairs of boxes that overlap), n triangles.
 /// \par Source      box intersection: Zomorodian & Edelsbrunner 2002, as in CGAL.
-template <class Graph, class Point_3, class NamedParameters = No_parameters>
-std::vector<Face_intersection> find_surface_intersections(const Graph& g, const Surface_nodes<Graph, Point_3>& nodes,
+template <class Graph, class Point3, class NamedParameters = No_parameters>
+std::vector<Face_intersection> find_surface_intersections(const Graph& g, const Surface_nodes<Graph, Point3>& nodes,
                                                           const NamedParameters& params = no_parameters)
 {
   static_assert(only_names<NamedParameters, names::vertex_point_map, names::geom_traits>,

@@ -64,7 +64,7 @@ struct Ignore_bounds
 ///
 /// \tparam PointRange   model of `Point_range`; not copied.
 /// \tparam BlockRange   model of `Element_block_range`, cells only.
-/// \tparam Is_straight  callable (Index block, Index element) -> bool: whether the cell is exactly the straight one of
+/// \tparam IsStraight  callable (Index block, Index element) -> bool: whether the cell is exactly the straight one of
 /// its
 ///                      corners, so that the test of degree 1 on its corners suffices. Nothing checks that it is true;
 ///                      but a cell so flat that rounding of its other nodes may fold it is tested with all of them.
@@ -74,16 +74,16 @@ struct Ignore_bounds
 /// \throws Input_error as `bound_jacobian()`, or if the nodes of a block are no whole number of cells or a cell names a
 ///         node that does not exist; some cells may have been visited then.
 /// \par Complexity      linear in the cells; no allocation per cell.
-template <Point_range PointRange, Element_block_range BlockRange, class Is_straight = None_straight,
+template <Point_range PointRange, Element_block_range BlockRange, class IsStraight = None_straight,
           class Visit = Ignore_bounds>
 Jacobian_report bound_jacobians(const PointRange& nodes, const BlockRange& blocks, int degree,
-                                const Jacobian_options& options = {}, const Is_straight& is_straight = {},
+                                const Jacobian_options& options = {}, const IsStraight& is_straight = {},
                                 const Visit& visit = {})
 {
   internal::check_options(options);
   for (const auto& block : blocks)
     internal::check_element(block.type, degree);
-  using Bounder = internal::Block_bounder<PointRange, Is_straight, Visit>;
+  using Bounder = internal::Block_bounder<PointRange, IsStraight, Visit>;
   typename Bounder::Bounders bounders(internal::wide_kernel());
   Jacobian_report report;
   Index number = 0;

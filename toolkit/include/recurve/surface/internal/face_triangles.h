@@ -94,8 +94,8 @@ public:
   }
 
 private:
-  template <class Point_3>
-  static Exact_kernel::Point_3 plain(const Point_3& x)
+  template <class Point3>
+  static Exact_kernel::Point_3 plain(const Point3& x)
   {
     const Point p = point_of(x);
     return {p[0], p[1], p[2]};

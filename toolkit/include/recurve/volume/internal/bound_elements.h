@@ -55,14 +55,14 @@ inline void set_nodes(Jacobian_bounder& bounder, const Jacobian_table& table, st
 
 /// Bounds the elements of one block, or those of a selection, and gathers their report. Nothing in it depends on the
 /// order of the elements.
-template <class Nodes, class Is_straight, class Visit>
+template <class Nodes, class IsStraight, class Visit>
 class Block_bounder
 {
 public:
   using Bounders = tbb::enumerable_thread_specific<Jacobian_bounder>;
 
   Block_bounder(const Nodes& nodes, const Element_block& block, Index number, int degree,
-                const Jacobian_options& options, const Is_straight& is_straight, const Visit& visit, Bounders& bounders)
+                const Jacobian_options& options, const IsStraight& is_straight, const Visit& visit, Bounders& bounders)
     : nodes_(nodes), block_(block), number_(number), options_(options), is_straight_(is_straight), visit_(visit),
       bounders_(bounders), stride_(node_count(block.type, degree)), curved_table_(jacobian_table(block.type, degree)),
       straight_table_(jacobian_table(block.type, 1))
@@ -212,7 +212,7 @@ private:
   Element_block block_;
   Index number_;
   const Jacobian_options& options_;
-  const Is_straight& is_straight_;
+  const IsStraight& is_straight_;
   const Visit& visit_;
   Bounders& bounders_;
   Index stride_;

@@ -32,13 +32,13 @@ inline const Distortion_points& distortion_points(Element_type type, int degree)
 /// Moves nodes inside the volume around failing cells: parts the cells there into components that share no node that
 /// may move, and minimises the distortion of each. What does not help, or harms a cell that was valid, is left undone.
 ///
-/// \tparam Levels  `Curving_levels`. \tparam Is_valid  callable (cell, position of a node) -> bool.
-template <class Levels, class Is_valid>
+/// \tparam Levels  `Curving_levels`. \tparam IsValid  callable (cell, position of a node) -> bool.
+template <class Levels, class IsValid>
 class Interior_repair
 {
 public:
   Interior_repair(Restoration_cells& cells, Levels& levels, std::span<const Node_role> roles,
-                  const Restoration_options& options, const Is_valid& is_valid)
+                  const Restoration_options& options, const IsValid& is_valid)
     : cells_(cells), levels_(levels), roles_(roles), options_(options), is_valid_(is_valid)
   {}
 
@@ -208,8 +208,8 @@ private:
   }
 
   /// minimises with less and less regularisation until `is_done()`, or until it gets no better.
-  template <class Is_done>
-  static bool untangle(Repair_component& repair, const Is_done& is_done)
+  template <class IsDone>
+  static bool untangle(Repair_component& repair, const IsDone& is_done)
   {
     constexpr int stages = 10, steps = 20;
     constexpr double smallest = 1e-6; // of the regularisation, in units of det F of a rigid motion
@@ -252,7 +252,7 @@ private:
   Levels& levels_;
   std::span<const Node_role> roles_;
   const Restoration_options& options_;
-  const Is_valid& is_valid_;
+  const IsValid& is_valid_;
   std::vector<Block_element> region_;
   std::vector<std::uint8_t> is_movable_; ///< per node
 };
