@@ -21,7 +21,7 @@ struct Group_key
   int entity = 0;
   Element_type type = Element_type::tetrahedron;
 
-  friend auto operator<=>(const Group_key&, const Group_key&) = default;
+  friend auto operator<=>(const Group_key&, const Group_key&) = default; // NOLINT(modernize-use-nullptr): false alarm
 };
 
 /// A $Periodic link as it stands in the file.

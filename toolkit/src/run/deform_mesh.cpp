@@ -8,6 +8,9 @@
 #include <recurve/volume/boundary_sources.h>
 #include <recurve/volume/deform_interior.h>
 
+#include <boost/iterator/permutation_iterator.hpp>
+#include <boost/range/iterator_range.hpp>
+
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
@@ -17,7 +20,6 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
-#include <ranges>
 #include <span>
 #include <utility>
 
@@ -31,6 +33,14 @@ constexpr Point zero = {0, 0, 0};
 Point difference(const Point& a, const Point& b)
 {
   return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+
+/// the points with the given numbers, as a range.
+template <class Points>
+auto picked(Points& points, const std::vector<Index>& numbers)
+{
+  return boost::make_iterator_range(boost::make_permutation_iterator(points.begin(), numbers.begin()),
+                                    boost::make_permutation_iterator(points.begin(), numbers.end()));
 }
 
 double length(const Point& a)
@@ -281,9 +291,8 @@ private:
     if (options_.area_weights)
       weights = source_areas();
     const auto progress = [&](std::string_view, double fraction) { return !progress_ || progress_(stage, fraction); };
-    const auto positions = std::views::transform(targets, [&](Index node) { return position(node); });
-    const auto result = std::views::transform(targets, [&](Index node) -> Point& { return field(node); });
-    summary_.field = interior_displacements(straight_, given, positions, result, formula(progress), weights);
+    summary_.field = interior_displacements(straight_, given, picked(mesh_.nodes, targets), picked(field_, targets),
+                                            formula(progress), weights);
   }
 
   std::vector<double> source_areas() const

@@ -66,7 +66,7 @@ public:
 
   Face_table(const Element_blocks& cells, const Element_blocks& listed_faces, Index vertex_count, VertexOf vertex_of)
     : cells_(cells), listed_faces_(listed_faces), vertex_of_(std::move(vertex_of)),
-      buckets_(make_buckets(vertex_count, [this](const auto& put) { emit(put); }))
+      buckets_(make_buckets(vertex_count, [this](const auto& put) { this->emit(put); }))
   {}
 
   bool is_listed(Index entry) const { return entry % 8 == listed; }
