@@ -37,9 +37,9 @@ public:
   Search(Element_type type, int degree, unsigned seed)
     : type_(type), degree_(degree), random_(seed), oracle_(type, degree)
   {
-    points_ = sample_points(type, degree < 4 ? degree + 1 : 4, 40, random_);
+    points_ = sample_cube(type, degree < 4 ? degree + 1 : 4, 40, random_);
     for (const Reference_point& p : points_)
-      samples_.emplace_back(type, degree, p);
+      samples_.emplace_back(type, degree, into_element(type, p));
   }
 
   /// a way from the reference cell towards a random one: cells at random on the way, and those between which bisection
@@ -105,9 +105,11 @@ private:
       std::cout << "wrong: " << element_name(type_) << " of degree " << degree_ << ", cell " << cells << '\n';
   }
 
-  bool is_refuted(const std::vector<Point>& nodes, const Jacobian_bounds& b, const Reference_point& p) const
+  /// whether det J contradicts the bounds where `cube` is in the element; exactly there, since bounds may be so sharp
+  /// that a point outside by a rounding is out of them.
+  bool is_refuted(const std::vector<Point>& nodes, const Jacobian_bounds& b, const Reference_point& cube) const
   {
-    const Fraction value = oracle_.jacobian(nodes, fractions(p));
+    const Fraction value = oracle_.jacobian(nodes, into_element(type_, fractions(cube)));
     return value < Fraction(b.lower) || (b.upper < infinity && value > Fraction(b.upper)) ||
            (b.verdict == Validity::valid && value <= 0);
   }
@@ -124,7 +126,7 @@ private:
     {
       const Reference_point p = descend(type_, degree_, nodes, points_[values[start].second], 25);
       result = result || is_refuted(nodes, b, p);
-      least = std::min(least, sampled_jacobian(type_, degree_, nodes, p));
+      least = std::min(least, sampled_jacobian(type_, degree_, nodes, into_element(type_, p)));
     }
     unexplained += b.verdict == Validity::invalid && least > 1e-3 * values.back().first;
     return result;
@@ -134,7 +136,7 @@ private:
   int degree_;
   std::mt19937 random_;
   Exact_oracle oracle_;
-  std::vector<Reference_point> points_;
+  std::vector<Reference_point> points_; ///< of the cube
   std::vector<Sample> samples_;
 };
 

@@ -235,7 +235,7 @@ TEST_CASE("bound_jacobian: tangled cells with positive Jacobians at corners and 
             const bool is_corner = std::round(x) == x && std::round(y) == y && std::round(z) == z;
             const bool is_inner = std::round(x) != x && std::round(y) != y && std::round(z) != z;
             if (is_corner || is_inner)
-              CHECK(sampled_jacobian(type, 1, nodes, into_element(type, {x, y, z})) > 50);
+              CHECK(sampled_jacobian(type, 1, nodes, into_element(type, Reference_point{x, y, z})) > 50);
           }
       const Jacobian_bounds b = bound_jacobian(type, 1, nodes);
       CHECK(b.verdict == Validity::invalid);
@@ -301,6 +301,84 @@ TEST_CASE("bound_jacobian: a hair below the error of doubles takes exact arithme
     CHECK(b.lower <= hair);
   CHECK(b.reached >= hair);
   CHECK(b.reached <= std::abs(hair) * (1 + 1e-12));
+}
+
+TEST_CASE("bound_jacobian: a bound so sharp that a point outside by a rounding is below it", "[volume]")
+{
+  // det J = 1.03e-11 is least at the corner (1, 1, 0), and exact arithmetic puts the lower bound 1e-15 of it below.
+  const std::vector<Point> nodes = {
+    {-0x1.a1b9179f54881p-6, -0x1.2f781115a83a1p-6, -0x1.db8ce0c9b7d95p-7},
+    {0x1.0627ee096d7dap+0, 0x1.0b1df33fe3b6dp-6, -0x1.42d5ee8d1fe56p-6},
+    {0x1.01a8cdee90b26p+0, 0x1.f8a9a0e8b4a7ap-1, 0x1.1a7105f6de8aep-8},
+    {-0x1.fe183f99ee1f8p-7, 0x1.01554f372b77ap+0, -0x1.094c056a92174p-6},
+    {-0x1.64f2d1b5ed3a1p-7, 0x1.7f94b4a057a37p-6, 0x1.f338a3125b49fp-1},
+    {0x1.5feb7e4bed4d3p-2, -0x1.3cc418c426bccp-6, -0x1.fd2e7788fb717p-9},
+    {0x1.5a68d44f228ep-1, -0x1.7c34dac41c883p-7, -0x1.0742d511e2385p-7},
+    {0x1.f7b3b31e8806fp-1, 0x1.40b9127d08cdbp-2, -0x1.ad2de80e5bcep-6},
+    {0x1.fe0f7a2bd2ce3p-1, 0x1.5ff089f50dde3p-1, 0x1.994c39d74f1c2p-6},
+    {0x1.6283d1415354bp-1, 0x1.f7c25d471fe38p-1, 0x1.65f4e02e7f70cp-6},
+    {0x1.4c9f0501b5fa3p-2, 0x1.fdabc509d97bdp-1, -0x1.95757b8f869bcp-6},
+    {0x1.ec269fbede5ccp-7, 0x1.4cf7c632067fep-1, -0x1.88df334f40b29p-6},
+    {0x1.2ca4098282cd9p-8, 0x1.48d16a64d1cdcp-2, 0x1.1601515fe23e3p-8},
+    {-0x1.620da6244edebp-6, 0x1.eaaad022764aep-7, 0x1.5f40d81d64873p-2},
+    {0x1.b103a9cd46cc2p-6, 0x1.99d8c3d6f71ep-6, 0x1.5fb59f3132ccbp-1},
+    {0x1.5909867d6f56p-1, 0x1.84f5d89e87f1ep-8, 0x1.4916c76f0674bp-2},
+    {0x1.567e729a68156p-2, 0x1.01dd33e28d8bfp-6, 0x1.60a8863ccc14dp-1},
+    {0x1.5a1f81a264ef3p-1, 0x1.51f89622edeb2p-1, 0x1.3b48bc86a5d49p-2},
+    {0x1.6991a2da1a1bcp-2, 0x1.5500c4155bb76p-2, 0x1.4c3084c4a14a2p-1},
+    {-0x1.20b822b544767p-9, 0x1.4e5d2cff3bef5p-1, 0x1.4dc920d64537fp-2},
+    {0x1.5b4fbc3f04ff8p-9, 0x1.6b463b4279c27p-2, 0x1.4d879f72cf455p-1},
+    {0x1.605d10fc8c092p-2, 0x1.4ec394dc1725p-2, -0x1.a62a35050fb0ap-8},
+    {0x1.611f9d4e116cp-2, 0x1.600bb7d6dd9b1p-1, 0x1.d77b5da73d722p-9},
+    {0x1.607043e843a69p-1, 0x1.6bde8a07c9137p-2, -0x1.65ffe50dac6ebp-8},
+    {0x1.5e9ac3aca9944p-1, 0x1.48168578f8e7bp-1, -0x1.b2ad36582e4eap-9},
+    {0x1.3f02e11303da3p-2, 0x1.86fb2532e3bc2p-8, 0x1.5175439ef9c62p-2},
+    {0x1.58b16c98d799fp-1, 0x1.547e4ce75a8d1p-2, 0x1.55bbd87a26cf8p-2},
+    {0x1.62e679d22217ap-2, 0x1.5ef9d0cfe18c6p-1, 0x1.57989fe137ca1p-2},
+    {-0x1.dd1f422cea721p-8, 0x1.457bbdf5cae25p-2, 0x1.3b0e99dd2dd94p-2},
+    {0x1.531eeebc2ef5dp-2, 0x1.5d9dfd1741b4fp-2, 0x1.4537c7cebbe11p-2},
+  };
+  const Element_type type = Element_type::pyramid;
+  const int degree = 3;
+  const Exact_oracle oracle(type, degree);
+  const Jacobian_bounds b = bound_jacobian(type, degree, nodes, {.max_parts = 4000, .max_exact_parts = 100});
+  CHECK(b.verdict == Validity::valid);
+  CHECK(b.is_exact);
+  const auto value_at = [&](const Fraction_point& p) { return oracle.jacobian(nodes, p); };
+  const Fraction least = value_at(fractions({1, 1, 0}));
+  CHECK(Fraction(b.lower) <= least);
+  CHECK(Fraction(b.reached) >= least);
+  CHECK(Fraction(b.lower) > least * (1 - Fraction(0x1p-48)));
+
+  // Five steps of a tenth do not add up to 0.5: the descent ends a rounding above the corner, where 1 - z is 1 in
+  // doubles. Outside of the element det J goes on falling.
+  const Reference_point cube = descend(type, degree, nodes, {1, 1, 0.5}, 25);
+  CHECK(cube == Reference_point{1, 1, 0x1p-55});
+  CHECK(value_at(into_element(type, fractions(cube))) >= Fraction(b.lower));
+  CHECK(value_at(fractions(into_element(type, cube))) < Fraction(b.lower));
+}
+
+TEST_CASE("points of the cube move into the element", "[volume]")
+{
+  const Element_type type = GENERATE(from_range(all_cells));
+  const unsigned seed = 4;
+  CAPTURE(element_name(type), seed);
+  std::mt19937 random(seed);
+  const std::vector<Point> nodes = random_cell(type, 3, 0.3, random);
+  for (const Reference_point& start : sample_cube(type, 3, 100, random))
+    for (const Reference_point& cube : {start, descend(type, 3, nodes, start, 10)})
+    {
+      const Fraction_point p = into_element(type, fractions(cube));
+      CAPTURE(cube[0], cube[1], cube[2]);
+      REQUIRE((p[0] >= 0 && p[1] >= 0 && p[2] >= 0));
+      switch (type)
+      {
+      case Element_type::tetrahedron: REQUIRE(p[0] + p[1] + p[2] <= 1); break;
+      case Element_type::prism: REQUIRE((p[0] + p[1] <= 1 && p[2] <= 1)); break;
+      case Element_type::pyramid: REQUIRE((p[0] + p[2] <= 1 && p[1] + p[2] <= 1 && p[2] < 1)); break;
+      default: REQUIRE((p[0] <= 1 && p[1] <= 1 && p[2] <= 1));
+      }
+    }
 }
 
 TEST_CASE("bound_jacobian: quadratic cells by a hair", "[volume]")

@@ -56,12 +56,12 @@ inline double sampled_jacobian(Element_type type, int degree, std::span<const Po
   return Sample(type, degree, xi).jacobian(nodes);
 }
 
-/// moves a point of the unit cube into the reference element; uniform in, uniform out is not asked for. Close to the
-/// apex of a pyramid the derivatives of rational functions lose digits: points stay `apex_distance` away from it.
-inline Reference_point into_element(Element_type type, Reference_point p, double apex_distance = 1e-3)
+/// moves a point of the unit cube into the reference element; uniform in, uniform out is not asked for. In doubles the
+/// image may be outside by a rounding, where det J may be less than anywhere inside: who compares with bounds that are
+/// as sharp as that has to move the point in fractions.
+template <class Real>
+std::array<Real, 3> into_element(Element_type type, std::array<Real, 3> p)
 {
-  for (double& x : p)
-    x = std::clamp(x, 0.0, 1.0);
   switch (type)
   {
   case Element_type::tetrahedron:
@@ -70,7 +70,6 @@ inline Reference_point into_element(Element_type type, Reference_point p, double
     break;
   case Element_type::prism: p[0] *= 1 - p[1]; break;
   case Element_type::pyramid:
-    p[2] = std::min(p[2], 1 - apex_distance);
     p[0] *= 1 - p[2];
     p[1] *= 1 - p[2];
     break;
@@ -79,9 +78,26 @@ inline Reference_point into_element(Element_type type, Reference_point p, double
   return p;
 }
 
-/// corners, points on edges and faces, and points inside.
-inline std::vector<Reference_point> sample_points(Element_type type, int per_direction, int random_count,
-                                                  std::mt19937& random)
+inline Fraction_point fractions(const Reference_point& p)
+{
+  return {Fraction(p[0]), Fraction(p[1]), Fraction(p[2])};
+}
+
+/// the nearest point of the unit cube. Close to the apex of a pyramid the derivatives of rational functions lose
+/// digits: the points that go there stay `apex_distance` away from it.
+inline Reference_point into_cube(Element_type type, Reference_point p, double apex_distance = 1e-3)
+{
+  for (double& x : p)
+    x = std::clamp(x, 0.0, 1.0);
+  if (type == Element_type::pyramid)
+    p[2] = std::min(p[2], 1 - apex_distance);
+  return p;
+}
+
+/// points of the unit cube that into_element() moves to corners, to points on edges and faces, and inside; no two of
+/// them to the same point.
+inline std::vector<Reference_point> sample_cube(Element_type type, int per_direction, int random_count,
+                                                std::mt19937& random)
 {
   std::vector<Reference_point> points;
   for (int k = 0; k <= per_direction; ++k)
@@ -89,13 +105,25 @@ inline std::vector<Reference_point> sample_points(Element_type type, int per_dir
       for (int i = 0; i <= per_direction; ++i)
       {
         const double n = per_direction;
-        points.push_back(into_element(type, {i / n, j / n, k / n}));
+        points.push_back(into_cube(type, {i / n, j / n, k / n}));
       }
   std::uniform_real_distribution<double> uniform(0, 1);
   for (int m = 0; m < random_count; ++m)
-    points.push_back(into_element(type, {uniform(random), uniform(random), uniform(random)}));
-  std::sort(points.begin(), points.end());
-  points.erase(std::unique(points.begin(), points.end()), points.end()); // many are at collapsed corners
+    points.push_back(into_cube(type, {uniform(random), uniform(random), uniform(random)}));
+  const auto image = [type](const Reference_point& p) { return into_element(type, p); };
+  std::ranges::sort(points, {}, image);
+  const auto repeated = std::ranges::unique(points, {}, image); // many are at collapsed corners
+  points.erase(repeated.begin(), repeated.end());
+  return points;
+}
+
+/// corners, points on edges and faces, and points inside.
+inline std::vector<Reference_point> sample_points(Element_type type, int per_direction, int random_count,
+                                                  std::mt19937& random)
+{
+  std::vector<Reference_point> points = sample_cube(type, per_direction, random_count, random);
+  for (Reference_point& p : points)
+    p = into_element(type, p);
   return points;
 }
 
@@ -293,33 +321,16 @@ private:
   std::vector<std::vector<Fraction>> inverse_;
 };
 
-inline Fraction_point fractions(const Reference_point& p)
-{
-  return {Fraction(p[0]), Fraction(p[1]), Fraction(p[2])};
-}
-
-/// looks for a smaller det J near `start` by steps along the axes of the unit cube that shrink. Returns where.
-inline Reference_point descend(Element_type type, int degree, std::span<const Point> nodes, Reference_point start,
+/// looks for a smaller det J by steps along the axes of the unit cube that shrink, from a point of it. Returns the
+/// point of the cube that into_element() moves where it is.
+inline Reference_point descend(Element_type type, int degree, std::span<const Point> nodes, Reference_point cube,
                                int halvings)
 {
   constexpr double apex_distance = 1e-6; // enough digits to compare, and the limit at the apex is in sight
-  const auto image = [type](const Reference_point& p) { return into_element(type, p, apex_distance); };
-  // in the coordinates of the cube that into_element() maps
-  Reference_point cube = start;
-  switch (type)
-  {
-  case Element_type::tetrahedron:
-    cube[0] = start[1] + start[2] < 1 ? start[0] / (1 - start[1] - start[2]) : 0;
-    cube[1] = start[2] < 1 ? start[1] / (1 - start[2]) : 0;
-    break;
-  case Element_type::prism: cube[0] = start[1] < 1 ? start[0] / (1 - start[1]) : 0; break;
-  case Element_type::pyramid:
-    cube[0] = start[0] / (1 - start[2]);
-    cube[1] = start[1] / (1 - start[2]);
-    break;
-  default: break;
-  }
-  double best = sampled_jacobian(type, degree, nodes, image(cube));
+  const auto value_at = [&](const Reference_point& p) {
+    return sampled_jacobian(type, degree, nodes, into_element(type, p));
+  };
+  double best = value_at(cube);
   double step = 0.1;
   for (int halving = 0; halving < halvings;)
   {
@@ -328,8 +339,9 @@ inline Reference_point descend(Element_type type, int degree, std::span<const Po
       for (const double sign : {-1.0, 1.0})
       {
         Reference_point trial = cube;
-        trial[axis] = std::clamp(trial[axis] + sign * step, 0.0, 1.0);
-        const double value = sampled_jacobian(type, degree, nodes, image(trial));
+        trial[axis] += sign * step;
+        trial = into_cube(type, trial, apex_distance);
+        const double value = value_at(trial);
         if (value < best)
         {
           best = value;
@@ -343,7 +355,7 @@ inline Reference_point descend(Element_type type, int degree, std::span<const Po
       ++halving;
     }
   }
-  return image(cube);
+  return cube;
 }
 
 inline constexpr std::array<Element_type, 4> all_cells = {Element_type::tetrahedron, Element_type::pyramid,
