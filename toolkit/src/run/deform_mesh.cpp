@@ -8,9 +8,6 @@
 #include <recurve/volume/boundary_sources.h>
 #include <recurve/volume/deform_interior.h>
 
-#include <boost/iterator/permutation_iterator.hpp>
-#include <boost/range/iterator_range.hpp>
-
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
@@ -33,14 +30,6 @@ constexpr Point zero = {0, 0, 0};
 Point difference(const Point& a, const Point& b)
 {
   return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-
-/// the points with the given numbers, as a range.
-template <class Points>
-auto picked(Points& points, const std::vector<Index>& numbers)
-{
-  return boost::make_iterator_range(boost::make_permutation_iterator(points.begin(), numbers.begin()),
-                                    boost::make_permutation_iterator(points.begin(), numbers.end()));
 }
 
 double length(const Point& a)
@@ -291,8 +280,13 @@ private:
     if (options_.area_weights)
       weights = source_areas();
     const auto progress = [&](std::string_view, double fraction) { return !progress_ || progress_(stage, fraction); };
-    summary_.field = interior_displacements(straight_, given, picked(mesh_.nodes, targets), picked(field_, targets),
-                                            formula(progress), weights);
+    std::vector<Point> positions, result(targets.size());
+    positions.reserve(targets.size());
+    for (const Index node : targets)
+      positions.push_back(position(node));
+    summary_.field = interior_displacements(straight_, given, positions, result, formula(progress), weights);
+    for (std::size_t m = 0; m < targets.size(); ++m)
+      field(targets[m]) = result[m];
   }
 
   std::vector<double> source_areas() const
