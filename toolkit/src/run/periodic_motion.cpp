@@ -300,6 +300,7 @@ std::vector<Periodic_nodes> find_periodic_nodes(const Curved_mesh& mesh,
                                                 const std::vector<std::array<std::string, 2>>& named)
 {
   std::vector<Periodic_nodes> result;
+  result.reserve(named.size());
   for (const auto& names : named)
     result.push_back(pair_named(mesh, names));
   for (std::size_t z = 0; z < mesh.zones.size(); ++z)
