@@ -4,6 +4,8 @@
 #include <recurve/core/exceptions.h>
 #include <recurve/surface/internal/vector_3.h>
 
+#include <CGAL/boost/graph/iterator.h>
+
 #include <boost/graph/graph_traits.hpp>
 
 #include <array>
