@@ -13,7 +13,7 @@
 
 static std::filesystem::path make_cylinder()
 {
-  const std::filesystem::path file = std::filesystem::temp_directory_path() / "recurve_example_cylinder.off";
+  std::filesystem::path file = std::filesystem::temp_directory_path() / "recurve_example_cylinder.off";
   std::ofstream out(file);
   out.precision(17);
   constexpr int sides = 12, rings = 6;
