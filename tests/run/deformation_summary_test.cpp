@@ -142,8 +142,8 @@ TEST_CASE("layers thinner than the bulge of the wall fold where only the wall is
   CHECK(report.jacobians.stages[1].inverted >= shape.around * shape.along); // at least the cells at the wall
   CHECK(report.jacobians.stages[2].inverted == 0);
   CHECK(report.jacobians.stages[3].inverted == 0);
-  CHECK(report.jacobians.scaled.size() == static_cast<std::size_t>(report.cells));
-  CHECK(std::ranges::all_of(report.jacobians.scaled, [](double scaled) { return scaled > 0; }));
+  CHECK(report.certification.bounds.scaled.size() == static_cast<std::size_t>(report.cells));
+  CHECK(std::ranges::all_of(report.certification.bounds.scaled, [](double scaled) { return scaled > 0; }));
   // Corners stay.
   for (std::size_t n = 0; n < linear.zones[0].points.size(); ++n)
     CHECK(curved.nodes[n] == linear.zones[0].points[n]);

@@ -260,10 +260,8 @@ Command add_curve_command(CLI::App& app)
   add_output_options(*curve, given->write);
   curve->add_option("--report", given->report, "write what happened as JSON")->type_name("FILE.json");
   curve
-    ->add_option(
-      "--histogram", given->histogram,
-      "bound the Jacobians of all cells before and after, and draw their histograms; a .vtu gets them as the "
-      "field scaled_jacobian")
+    ->add_option("--histogram", given->histogram,
+                 "bound the Jacobians of all cells after each step as well, and draw their histograms")
     ->type_name("FILE.svg");
   curve->add_option("--threads", given->options.threads, "largest number of threads (default: all)")
     ->check(CLI::Range(1, 4096));

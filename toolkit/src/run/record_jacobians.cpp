@@ -21,7 +21,6 @@ void Jacobian_recorder::add_stage(const Curved_mesh& mesh, std::span<const Point
       firsts.push_back(count);
       count += section.nodes.size() / static_cast<std::size_t>(node_count(section.type, mesh.degree));
     }
-  history_.scaled.assign(count, -1);
   std::vector<std::uint8_t> is_not_valid(count, 1);
   const auto number = [&](Index block, Index element) {
     return firsts[static_cast<std::size_t>(block)] + static_cast<std::size_t>(element);
@@ -36,7 +35,6 @@ void Jacobian_recorder::add_stage(const Curved_mesh& mesh, std::span<const Point
   stage.bounds = bound_jacobians(
     nodes, blocks, mesh.degree, {}, [&](Index block, Index element) { return is_straight(nodes_of(block, element)); },
     [&](Index block, Index element, const Jacobian_bounds& bounds) {
-      history_.scaled[number(block, element)] = bounds.scaled;
       is_not_valid[number(block, element)] = bounds.verdict != Validity::valid;
     });
   if (is_wrong_.empty())

@@ -12,7 +12,7 @@ namespace recurve {
 /// The certified Jacobians of all cells at one point of a conversion.
 struct Jacobian_stage
 {
-  std::string name; ///< "straight", "curved" (without deformation), "deformed"
+  std::string name; ///< "straight", "curved" (without deformation), "deformed", "certified"
   Jacobian_report bounds;
   Index inverted = 0;     ///< cells that are not certified valid, though the straight-sided cell is
   Index wrong_before = 0; ///< cells that are not certified valid and were not when straight
@@ -22,7 +22,6 @@ struct Jacobian_stage
 struct Jacobian_history
 {
   std::vector<Jacobian_stage> stages; ///< in the order of the conversion; empty: nobody asked
-  std::vector<double> scaled;         ///< per cell of all zones, `Jacobian_bounds::scaled` after the last stage
 };
 
 /// a picture of the histograms of the scaled Jacobian, all stages side by side, counts on a logarithmic scale: SVG.
