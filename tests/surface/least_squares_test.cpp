@@ -72,6 +72,43 @@ TEST_CASE("all solvers find the same polynomial", "[policies]")
   check_solver(Conjugate_residual{1e-13}, 1e-3, 4); // squares the condition of the equations
 }
 
+TEST_CASE("slopes are data as good as heights", "[policies]")
+{
+  // Too few points for the polynomial; their slopes tell the rest.
+  for (int degree = 2; degree <= 6; ++degree)
+    for (const bool is_through_origin : {false, true})
+    {
+      CAPTURE(degree, is_through_origin);
+      const Problem problem(degree, coefficient_count(degree) / 2 + 2, is_through_origin);
+      std::vector<double> by_u(problem.u.size(), 0), by_v(problem.u.size(), 0);
+      for (std::size_t i = 0; i < problem.u.size(); ++i)
+        for (int p = 1; p <= degree; ++p)
+          for (int k = 0; k <= p; ++k)
+          {
+            const double c = problem.expected[static_cast<std::size_t>(coefficient_number(p - k, k))];
+            const double u = problem.u[i], v = problem.v[i];
+            by_u[i] += p == k ? 0 : c * (p - k) * std::pow(u, p - k - 1) * std::pow(v, k);
+            by_v[i] += k == 0 ? 0 : c * k * std::pow(u, p - k) * std::pow(v, k - 1);
+          }
+      Weighted_points points = problem.points(is_through_origin);
+      points.slopes = {problem.u, problem.v, by_u, by_v, problem.weight};
+      std::vector<double> found(problem.expected.size(), 99);
+      const auto check = [&](double bound) {
+        for (std::size_t c = 0; c < found.size(); ++c)
+          CHECK(found[c] == Approx(problem.expected[c]).margin(bound));
+      };
+      Graded_qr{}(points, degree, found);
+      check(1e-9);
+      Pivoted_qr{}(points, degree, found);
+      check(1e-9);
+      Truncated_svd{}(points, degree, found);
+      check(1e-9);
+      Conjugate_residual{1e-13}(points, degree, found);
+      if (degree <= 4) // squares the condition of the equations
+        check(1e-3);
+    }
+}
+
 TEST_CASE("what the points of a strip do not tell is left out, what they tell is kept", "[policies]")
 {
   // v is 0 or 1: v^2 = v cannot be told from v.

@@ -122,6 +122,62 @@ TEST_CASE("conjugate residuals agree with a direct solution where points determi
   CHECK(difference < 1e-6 * size); // the bound on the residual is 1e-8; conditioning takes the rest
 }
 
+TEST_CASE("corrected fits go through the corners of their faces", "[policies]")
+{
+  const bool has_quads = GENERATE(false, true);
+  Polygons sphere = has_quads ? cubed_sphere(8) : icosphere(3);
+  perturb_sphere(sphere, 0.02, 5);
+  const Mesh mesh = make_mesh(sphere);
+  const auto map_of = [&](std::vector<Local_fit>& fits) {
+    fits.resize(mesh.number_of_faces());
+    return boost::make_iterator_property_map(fits.begin(), get(boost::face_index, mesh));
+  };
+  for (int degree = has_quads ? 2 : 1; degree <= 6; ++degree)
+  {
+    CAPTURE(has_quads, degree);
+    std::vector<Local_fit> plain, corrected;
+    reconstruct_surface(mesh, map_of(plain), {.degree = degree});
+    reconstruct_surface(mesh, map_of(corrected), {.degree = degree, .interpolates_corners = true});
+    double residual = 0, plain_residual = 0, change = 0;
+    for (const auto f : mesh.faces())
+      for (const auto v : mesh.vertices_around_face(mesh.halfedge(f)))
+      {
+        const Point x = to_point(mesh.point(v));
+        residual = std::max(residual, norm(corrected[f].displacement(x)));
+        plain_residual = std::max(plain_residual, norm(plain[f].displacement(x)));
+      }
+    for (std::size_t f = 0; f < plain.size(); ++f)
+      change = std::max(change, std::abs(plain[f].height(0, 0) - corrected[f].height(0, 0)));
+    CHECK(residual < 1e-14);
+    CHECK(plain_residual > 1e-9);         // there is something to correct,
+    CHECK(change < 1.5 * plain_residual); // and the correction is as large as the residuals, no larger
+  }
+}
+
+TEST_CASE("the corner correction gains at d = 2", "[policies]")
+{
+  Polygons ellipsoid = icosphere(4);
+  perturb_sphere(ellipsoid, 0.01, 5);
+  for (Point& x : ellipsoid.points)
+    x = {2 * x[0], 1.3 * x[1], x[2]};
+  const Mesh mesh = make_mesh(ellipsoid);
+  const auto error_with = [&](bool interpolates_corners) {
+    std::vector<Local_fit> fits(mesh.number_of_faces());
+    reconstruct_surface(mesh, boost::make_iterator_property_map(fits.begin(), get(boost::face_index, mesh)),
+                        {.degree = 2, .interpolates_corners = interpolates_corners});
+    double error = 0;
+    for (const Local_fit& fit : fits)
+    {
+      const Point x = fit.point(0, 0);
+      const Point scaled = {x[0] / 2, x[1] / 1.3, x[2]};
+      const Point gradient = {scaled[0] / 2, scaled[1] / 1.3, scaled[2]};
+      error = std::max(error, std::abs(norm(scaled) - 1) / norm(gradient));
+    }
+    return error;
+  };
+  CHECK(error_with(true) < 0.6 * error_with(false));
+}
+
 TEST_CASE("stencils, weightings and solvers are exchanged one by one", "[policies]")
 {
   const Mesh mesh = make_mesh(icosphere(3));

@@ -24,7 +24,7 @@ struct Compact_stencil
       const double ratio = degree <= 2             ? 1
                            : builder.touches_rim() ? points_per_coefficient_at_rim
                                                    : points_per_coefficient;
-      return static_cast<double>(builder.size()) >= ratio * coefficients;
+      return static_cast<double>(builder.equations()) >= ratio * coefficients;
     };
     for (int ring = 0; ring < most_rings; ++ring)
     {
@@ -86,6 +86,12 @@ struct Graded_qr
   void operator()(const Weighted_points& points, int degree, std::span<double> coefficients) const
   {
     internal::surface::solve_by_graded_qr(points, degree, least_independence, coefficients);
+  }
+
+  /// the polynomial of a lower degree for the points that the calling thread solved last, at next to no cost.
+  void solve_lower(int degree, std::span<double> coefficients) const
+  {
+    internal::surface::solve_last_for_lower_degree(degree, coefficients);
   }
 };
 

@@ -11,7 +11,11 @@
 #include <recurve/surface/reconstruction_report.h>
 #include <recurve/surface/vertex_fits.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace recurve {
 
@@ -23,17 +27,37 @@ constexpr int vertex_fit_degree(int degree)
   return degree / 2 * 2 + 2;
 }
 
+/// Highest degree of the polynomials on a rim and next to it, where those elsewhere have `polynomial_degree`: points on
+/// one side alone need four degrees more to be as near to the surface.
+constexpr int vertex_fit_degree_at_rim(int polynomial_degree)
+{
+  return polynomial_degree <= 2 ? polynomial_degree : std::min(polynomial_degree + 4, max_vertex_fit_degree);
+}
+
+/// What the polynomials of `fit_vertices()` are fitted to.
+enum class Vertex_fit_data : std::uint8_t
+{
+  points,            ///< positions of the vertices
+  points_and_normals ///< Hermite: those of `vertex_normal_map` too, which is then needed. A vertex counts for three,
+                     ///< and stencils are smaller: exact normals of a known shape gain much, normals that are averages
+                     ///< of faces spoil the fit
+};
+
 /// What a call to `fit_vertices()` may vary. How stencils grow, how points are weighted and how the equations are
 /// solved are types: see `Reconstruction_policies`.
 struct Vertex_fit_options
 {
   int degree = 2;            ///< d, 1 <= d <= 6: errors fall with the power d + 1 of the size of the faces, or faster
   int polynomial_degree = 0; ///< 1 to max_vertex_fit_degree; 0: vertex_fit_degree(degree)
+  int more_degrees_at_rim = -1; ///< added, at most, to the degree of polynomials next to a border or critical edge,
+                                ///< whose points lie on one side: 0 or more, up to `max_vertex_fit_degree` in all; -1:
+                                ///< see `vertex_fit_degree_at_rim()`. Taken where terms of higher degree get smaller.
   double largest_displacement = 0.3; ///< a fit that moves the middle of an edge at its vertex farther is lowered; in
                                      ///< lengths of the edge. 0.3 is the rise of an arc of 124 degrees.
   double largest_disagreement = 0.5; ///< where the fits of both ends of an edge displace its middle so differently,
                                      ///< relative to the larger displacement, they are lowered
-  Progress_callback progress = {};   ///< called with the stage "reconstruct surface"
+  Vertex_fit_data data = Vertex_fit_data::points;
+  Progress_callback progress = {}; ///< called with the stage "reconstruct surface"
 };
 
 /// fits, for each vertex of `g` and each surface region around it, a weighted least-squares polynomial that goes
@@ -54,13 +78,13 @@ struct Vertex_fit_options
 ///
 /// \tparam Graph   model of `FaceListGraph`; triangles and quads.
 /// \param params   as for `reconstruct_surface()`. A sharp vertex without critical edges (the tip of a cone) gets no
-/// fit. \param policies the compact ones by default. A stencil grows from one vertex, `Stencil_point::distance` is in
-/// units
+///                 fit. On critical edges and borders normals of `vertex_normal_map` are no data.
+/// \param policies the compact ones by default. A stencil grows from one vertex, `Stencil_point::distance` is in units
 ///                 of the mean distance of the neighbours (of each direction's own, on long thin faces).
 /// \param report   if not null, set. A face has the lowest degree of its corners' fits, at most `options.degree`.
 /// \throws Input_error if a field of `options` is out of its range, a face is neither triangle nor quad or a
-/// coordinate is not finite. \throws Cancelled if
-/// the progress callback asks to stop.
+///         coordinate is not finite.
+/// \throws Cancelled if the progress callback asks to stop.
 /// \par Complexity  linear in the vertices; memory about 900 bytes per vertex at its peak.
 /// \par Source      Jiao & Wang 2012 (WALF: fits of vertices, averaged).
 template <class Graph, class NamedParameters = No_parameters, class Policies = Compact_policies>
@@ -75,16 +99,28 @@ Vertex_fits<Graph> fit_vertices(const Graph& g, const Vertex_fit_options& option
   if (options.degree < 1 || options.degree > max_fit_degree)
     throw Input_error("degree of the fits: expected 1 to 6, found " + std::to_string(options.degree));
   if (options.polynomial_degree < 0 || options.polynomial_degree > max_vertex_fit_degree)
-    throw Input_error("degree of the polynomials: expected 0 to 8, found " + std::to_string(options.polynomial_degree));
+    throw Input_error("degree of the polynomials: expected 0 to 10, found " +
+                      std::to_string(options.polynomial_degree));
   if (!(options.largest_displacement > 0) || !(options.largest_disagreement > 0))
     throw Input_error("largest displacement and disagreement of the fits: expected positive numbers");
+  if (options.data == Vertex_fit_data::points_and_normals && !has_parameter<NamedParameters, names::vertex_normal_map>)
+    throw Input_error("fits of points and normals: expected a vertex_normal_map");
   namespace s = internal::surface;
   s::check_corner_counts(g);
   const s::Surface_arrays surface = s::gather_surface(g, params, s::Neighbor_rule::whole_region);
   const int polynomial_degree =
     options.polynomial_degree > 0 ? options.polynomial_degree : vertex_fit_degree(options.degree);
-  s::All_vertex_fits<Policies> all(surface, policies,
-                                   {polynomial_degree, options.largest_displacement, options.largest_disagreement});
+  const int degree_at_rim = options.more_degrees_at_rim >= 0 ? polynomial_degree + options.more_degrees_at_rim
+                                                             : vertex_fit_degree_at_rim(polynomial_degree);
+  s::Vertex_fit_bounds bounds{polynomial_degree, std::min(degree_at_rim, max_vertex_fit_degree),
+                              options.largest_displacement, options.largest_disagreement};
+  std::vector<Point> data_normals;
+  if (options.data == Vertex_fit_data::points_and_normals)
+  {
+    data_normals = s::normals_off_rims(surface);
+    bounds.data_normals = data_normals;
+  }
+  s::All_vertex_fits<Policies> all(surface, policies, bounds);
   all.run(options.progress, "reconstruct surface");
   if (report)
     *report =

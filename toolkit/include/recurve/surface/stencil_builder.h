@@ -19,12 +19,17 @@ namespace recurve {
 class Stencil_builder
 {
 public:
-  explicit Stencil_builder(const internal::surface::Surface_arrays& surface)
-    : surface_(&surface), marks_(static_cast<std::size_t>(surface.vertex_count()), 0)
+  /// \param equations_per_vertex  1; 3 where normals are data too.
+  explicit Stencil_builder(const internal::surface::Surface_arrays& surface, int equations_per_vertex = 1)
+    : surface_(&surface), equations_per_vertex_(equations_per_vertex),
+      marks_(static_cast<std::size_t>(surface.vertex_count()), 0)
   {}
 
   /// number of vertices so far.
   Index size() const { return static_cast<Index>(vertices_.size()); }
+
+  /// number of equations that the vertices so far give: one each, or three where their normals are data too.
+  Index equations() const { return equations_per_vertex_ * size(); }
 
   /// whether the stencil holds a vertex on the rim of its surface region (on a critical edge or border): it sees the
   /// surface on one side only.
@@ -140,6 +145,7 @@ private:
   }
 
   const internal::surface::Surface_arrays* surface_;
+  int equations_per_vertex_;
   std::vector<std::uint32_t> marks_;
   std::uint32_t epoch_ = 0;
   std::vector<Index> vertices_;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <span>
 
 namespace recurve::internal::surface {
@@ -52,15 +53,18 @@ public:
     if (!(norm > least_direction))
       return {0, 0, 0};
     direction = scaled(1 / norm, direction);
-    double sum = 0, total = 0;
+    std::array<double, 4> ways = {};
+    double total = 0;
     for (int i = 0; i < count_; ++i)
-    {
-      const double weight = weights[static_cast<std::size_t>(i)];
-      if (fits_[i]->state == Vertex_fit_state::none || !(weight > 0))
-        continue;
-      total += weight;
-      sum += weight * corrected_way(i, x, direction, weights);
-    }
+      if (counts(i, weights))
+      {
+        total += weights[static_cast<std::size_t>(i)];
+        ways[i] = corrected_way(i, x, direction, weights);
+      }
+    limit(ways, weights);
+    double sum = 0;
+    for (int i = 0; i < count_; ++i)
+      sum += counts(i, weights) ? weights[static_cast<std::size_t>(i)] * ways[i] : 0;
     const bool is_sane = total > 0 && std::abs(sum) <= largest_way * total * longest_side_;
     return scaled(is_sane ? sum / total : 0, direction);
   }
@@ -68,6 +72,40 @@ public:
 private:
   static constexpr double largest_way = 0.5;     ///< in longest sides: the rise of a half circle
   static constexpr double least_direction = 0.1; ///< normals that nearly cancel say nothing
+  static constexpr double harmless_part = 0.1;   ///< of the bend: fits that resolve the surface differ by less
+  static constexpr double largest_ratio = 2;     ///< between displacements of fits that see the same surface
+
+  bool counts(int corner, std::span<const double> weights) const
+  {
+    return fits_[corner]->state != Vertex_fit_state::none && weights[static_cast<std::size_t>(corner)] > 0;
+  }
+
+  /// Where the fits tell different stories, by a good part of the bend, the least of them is believed: none displaces
+  /// more than `largest_ratio` times as far, and where they do not agree on the side the surface stays straight. (A fit
+  /// that failed tells no story.) So a rounded edge does not bulge into the plane beside it.
+  void limit(std::array<double, 4>& ways, std::span<const double> weights) const
+  {
+    double low = std::numeric_limits<double>::infinity(), high = -low, bend = 0;
+    for (int i = 0; i < count_; ++i)
+      if (counts(i, weights) && fits_[i]->state != Vertex_fit_state::flat)
+      {
+        low = std::min(low, ways[i]);
+        high = std::max(high, ways[i]);
+        bend = std::max(bend, middle_bend(*fits_[i]));
+      }
+    if (!(high - low > harmless_part * bend))
+      return;
+    const double least = low * high <= 0 ? 0 : std::min(std::abs(low), std::abs(high));
+    for (double& way : ways)
+      way = std::clamp(way, -largest_ratio * least, largest_ratio * least);
+  }
+
+  /// how far the terms of second degree bend the middle of an edge to a neighbour.
+  static double middle_bend(const Vertex_fit& fit)
+  {
+    const auto& c = fit.coefficients;
+    return fit.size * (std::abs(c[3]) + std::abs(c[4]) + std::abs(c[5])) / 4;
+  }
 
   Point direction_at(int corner) const { return fits_[corner]->n; }
 

@@ -28,6 +28,9 @@ struct Normal_equations
 
   explicit Normal_equations(const Weighted_points& points);
 
+  /// adds the equations of the slopes to the matrix and the right-hand side, before these are scaled.
+  void add_slopes(const Weighted_slopes& slopes);
+
   Vector times(const Vector& x) const
   {
     Vector result = {}; // the matrix is symmetric: summing its columns lets the inner loop run over neighbours
@@ -37,6 +40,22 @@ struct Normal_equations
     return result;
   }
 };
+
+/// Powers of u and v in a term of the polynomial.
+struct Term_powers
+{
+  int u = 0, v = 0;
+};
+
+template <int D>
+constexpr std::array<Term_powers, coefficient_count(D)> powers_of_terms()
+{
+  std::array<Term_powers, coefficient_count(D)> result;
+  for (int p = 0; p <= D; ++p)
+    for (int k = 0; k <= p; ++k)
+      result[coefficient_number(p - k, k)] = {p - k, k};
+  return result;
+}
 
 /// Every entry of U^T Omega U is a moment, the sum of w u^a v^b over the points with a + b <= 2D, and most moments
 /// stand in several entries: they are summed once.
@@ -67,24 +86,57 @@ Normal_equations<D>::Normal_equations(const Weighted_points& points)
     }
   }
 
-  std::array<int, size> u_degree, v_degree;
-  for (int p = 0; p <= D; ++p)
-    for (int k = 0; k <= p; ++k)
-    {
-      u_degree[coefficient_number(p - k, k)] = p - k;
-      v_degree[coefficient_number(p - k, k)] = k;
-    }
+  constexpr auto powers_of = powers_of_terms<D>();
   for (int i = 0; i < size; ++i)
   {
-    const double square = moments[2 * u_degree[i]][2 * v_degree[i]];
+    rhs[i] = height_moments[powers_of[i].u][powers_of[i].v];
+    for (int j = 0; j < size; ++j)
+      matrix[i][j] = moments[powers_of[i].u + powers_of[j].u][powers_of[i].v + powers_of[j].v];
+  }
+  if (points.slopes.size() > 0)
+    add_slopes(points.slopes);
+  for (int i = 0; i < size; ++i)
+  {
+    const double square = matrix[i][i];
     scaling[i] = square > 0 ? 1 / std::sqrt(square) : 0; // 0: all points lie on an axis, which says nothing of u^j v^k
     if (i == 0 && points.is_through_origin)
       scaling[i] = 0;
-    rhs[i] = scaling[i] * height_moments[u_degree[i]][v_degree[i]];
   }
   for (int i = 0; i < size; ++i)
+  {
+    rhs[i] *= scaling[i];
     for (int j = 0; j < size; ++j)
-      matrix[i][j] = scaling[i] * scaling[j] * moments[u_degree[i] + u_degree[j]][v_degree[i] + v_degree[j]];
+      matrix[i][j] *= scaling[i] * scaling[j];
+  }
+}
+
+template <int D>
+void Normal_equations<D>::add_slopes(const Weighted_slopes& slopes)
+{
+  constexpr auto powers_of = powers_of_terms<D>();
+  for (std::size_t s = 0; s < slopes.size(); ++s)
+  {
+    std::array<double, D + 1> u_power, v_power;
+    u_power[0] = v_power[0] = 1;
+    for (int a = 1; a <= D; ++a)
+    {
+      u_power[a] = u_power[a - 1] * slopes.u[s];
+      v_power[a] = v_power[a - 1] * slopes.v[s];
+    }
+    Vector by_u, by_v;
+    for (int i = 0; i < size; ++i)
+    {
+      const auto [j, k] = powers_of[i];
+      by_u[i] = j > 0 ? j * u_power[j - 1] * v_power[k] : 0;
+      by_v[i] = k > 0 ? k * u_power[j] * v_power[k - 1] : 0;
+    }
+    for (int i = 0; i < size; ++i)
+    {
+      rhs[i] += slopes.weight[s] * (by_u[i] * slopes.by_u[s] + by_v[i] * slopes.by_v[s]);
+      for (int j = 0; j < size; ++j)
+        matrix[i][j] += slopes.weight[s] * (by_u[i] * by_u[j] + by_v[i] * by_v[j]);
+    }
+  }
 }
 
 template <std::size_t N>
@@ -157,6 +209,8 @@ inline void solve_by_conjugate_residual(const Weighted_points& points, int degre
   case 6: return solve_degree<6>(points, relative_bound, coefficients);
   case 7: return solve_degree<7>(points, relative_bound, coefficients);
   case 8: return solve_degree<8>(points, relative_bound, coefficients);
+  case 9: return solve_degree<9>(points, relative_bound, coefficients);
+  case 10: return solve_degree<10>(points, relative_bound, coefficients);
   default: return;
   }
 }

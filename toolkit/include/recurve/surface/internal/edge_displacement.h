@@ -29,8 +29,9 @@ inline double estimated_displacement(const Surface_arrays& surface, Index vertex
 /// What the normals tell of the surface around a vertex.
 struct Estimated_bend
 {
-  double curvature = 0;    ///< the largest along an edge
-  double longest_edge = 0; ///< length
+  double largest = 0;           ///< displacement of the middle of an edge
+  double length_of_largest = 0; ///< length of that edge
+  double longest_edge = 0;      ///< length
 
   bool is_short(double edge_length) const
   {
@@ -38,13 +39,14 @@ struct Estimated_bend
     return edge_length < short_edge * longest_edge;
   }
 
-  /// displacement of the middle of an edge that means nothing: part of that of the same bend over the edge. An edge
-  /// that is short shares the absolute errors of the long ones across it; there a small part of its length counts.
+  /// displacement of the middle of an edge that means nothing: part of the largest around, which a face at the vertex
+  /// is likely to have too; on shorter edges as much less. An edge that is short shares the absolute errors of the long
+  /// ones across it; there a small part of its length counts.
   double negligible_displacement(double edge_length) const
   {
     constexpr double part = 0.3;
     constexpr double part_of_short_edge = 0.05;
-    const double of_bend = part * 0.125 * curvature * edge_length * longest_edge;
+    const double of_bend = part * largest * (edge_length < length_of_largest ? edge_length / length_of_largest : 1);
     return is_short(edge_length) ? std::max(of_bend, part_of_short_edge * edge_length) : of_bend;
   }
 };
@@ -55,11 +57,12 @@ inline Estimated_bend estimated_bend(const Surface_arrays& surface, Index vertex
   for (const Index neighbor : surface.neighbors_of(vertex))
   {
     const double edge_length = length(subtract(surface.points[neighbor], surface.points[vertex]));
-    if (!(edge_length > 0))
-      continue;
-    const double curvature =
-      8 * std::abs(estimated_displacement(surface, vertex, neighbor)) / edge_length / edge_length;
-    bend.curvature = std::max(bend.curvature, curvature);
+    const double displacement = std::abs(estimated_displacement(surface, vertex, neighbor));
+    if (displacement > bend.largest)
+    {
+      bend.largest = displacement;
+      bend.length_of_largest = edge_length;
+    }
     bend.longest_edge = std::max(bend.longest_edge, edge_length);
   }
   return bend;

@@ -1,7 +1,9 @@
 #ifndef RECURVE_SURFACE_INTERNAL_FACE_FITTER_H
 #define RECURVE_SURFACE_INTERNAL_FACE_FITTER_H
 
+#include <recurve/surface/internal/corner_correction.h>
 #include <recurve/surface/internal/face_normal.h>
+#include <recurve/surface/internal/fit_points.h>
 #include <recurve/surface/internal/surface_arrays.h>
 #include <recurve/surface/internal/vector_3.h>
 #include <recurve/surface/local_fit.h>
@@ -80,8 +82,10 @@ template <class Policies>
 class Face_fitter
 {
 public:
-  Face_fitter(const Surface_arrays& surface, const Policies& policies, double largest_displacement)
-    : surface_(&surface), policies_(&policies), builder_(surface), largest_displacement_(largest_displacement)
+  Face_fitter(const Surface_arrays& surface, const Policies& policies, double largest_displacement,
+              bool interpolates_corners)
+    : surface_(&surface), policies_(&policies), builder_(surface), largest_displacement_(largest_displacement),
+      interpolates_corners_(interpolates_corners)
   {}
 
   Face_result fit(Index face, int degree)
@@ -124,29 +128,11 @@ private:
     policies_->stencil(builder_, degree);
     const std::span<Index> vertices = builder_.vertices();
     std::sort(vertices.begin(), vertices.end());
-    u_.clear();
-    v_.clear();
-    height_.clear();
-    weight_.clear();
+    points_.clear();
     is_planar_ = true;
     for (std::size_t i = 0; i < vertices.size(); ++i)
-      if (is_best_side(vertices, i, frame.flat_fit.n))
+      if (is_best_side(*surface_, vertices, i, frame.flat_fit.n))
         add_point(vertices[i], surface_->corners_of_face(face), frame, degree);
-  }
-
-  /// Where a feature curve ends within a surface, a stencil may hold both sides of one vertex: the point counts once,
-  /// with the normal that agrees better.
-  bool is_best_side(std::span<const Index> vertices, std::size_t i, const Point& normal) const
-  {
-    const auto original = [&](std::size_t j) { return surface_->original_vertices[vertices[j]]; };
-    const auto cosine = [&](std::size_t j) { return dot(surface_->normals[vertices[j]], normal); };
-    for (std::size_t j = i; j-- > 0 && original(j) == original(i);)
-      if (cosine(j) >= cosine(i))
-        return false;
-    for (std::size_t j = i + 1; j < vertices.size() && original(j) == original(i); ++j)
-      if (cosine(j) > cosine(i))
-        return false;
-    return true;
   }
 
   void add_point(Index vertex, std::span<const Index> corners, const Face_frame& frame, int degree)
@@ -162,10 +148,7 @@ private:
       degree);
     if (!(weight > 0) || !std::isfinite(weight))
       return;
-    u_.push_back(local[0] / plane.scale);
-    v_.push_back(local[1] / plane.scale);
-    height_.push_back(local[2] / plane.scale);
-    weight_.push_back(weight);
+    points_.add(local[0] / plane.scale, local[1] / plane.scale, local[2] / plane.scale, weight);
     // Heights that the resolution of the point, of the origin and of the normal can explain are none.
     const double resolution = coordinate_resolution * std::max(largest_coordinate(x), largest_coordinate(plane.origin));
     if (std::abs(local[2]) > 2 * resolution * (1 + distance * frame.slope_noise))
@@ -179,9 +162,11 @@ private:
     const std::size_t count = static_cast<std::size_t>(coefficient_count(fit.degree));
     const std::span<double> coefficients(fit.coefficients.data(), count);
     fit.coefficients = {};
-    policies_->solver(Weighted_points{u_, v_, height_, weight_}, fit.degree, coefficients);
+    policies_->solver(points_.view(false), fit.degree, coefficients);
     result.stencil_size = builder_.size();
-    result.has_poor_stencil = u_.size() < count;
+    result.has_poor_stencil = points_.size() < count;
+    if (interpolates_corners_)
+      meet_corners(corners, fit);
     if (!std::all_of(coefficients.begin(), coefficients.end(), [](double c) { return std::isfinite(c); }))
       result.reason = Lowering_reason::not_finite;
     else if (!is_sane(corners, fit))
@@ -189,6 +174,18 @@ private:
     else
       return true;
     return false;
+  }
+
+  void meet_corners(std::span<const Index> corners, Local_fit& fit)
+  {
+    residuals_.clear();
+    for (const Index corner : corners)
+    {
+      const Point local = fit.local_coordinates(surface_->points[corner]);
+      residuals_.push_back(
+        {local[0] / fit.scale, local[1] / fit.scale, (local[2] - fit.height(local[0], local[1])) / fit.scale});
+    }
+    pass_through_corners(residuals_, fit);
   }
 
   /// whether corners, mid-edges and centre of the face stay near the face.
@@ -213,8 +210,10 @@ private:
   const Policies* policies_;
   Stencil_builder builder_;
   double largest_displacement_;
+  bool interpolates_corners_;
   bool is_planar_ = false;
-  std::vector<double> u_, v_, height_, weight_;
+  Fit_points points_;
+  std::vector<Corner_residual> residuals_;
 };
 
 } // namespace recurve::internal::surface

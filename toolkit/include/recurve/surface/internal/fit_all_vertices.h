@@ -22,13 +22,6 @@
 
 namespace recurve::internal::surface {
 
-struct Vertex_fit_bounds
-{
-  int degree = 4;                    ///< of the polynomials
-  double largest_displacement = 0.5; ///< of a mid-edge, in edge lengths
-  double largest_disagreement = 0.5; ///< see Vertex_fit_options
-};
-
 /// All vertex fits of a surface: fits them, compares the two fits at the ends of each edge and fits again, with a lower
 /// degree, where they disagree.
 template <class Policies>
@@ -36,9 +29,8 @@ class All_vertex_fits
 {
 public:
   All_vertex_fits(const Surface_arrays& surface, const Policies& policies, const Vertex_fit_bounds& bounds)
-    : surface_(surface), bounds_(bounds), fitters_([&] {
-        return Vertex_fitter<Policies>(surface, policies, bounds.largest_displacement, bounds.largest_disagreement);
-      }),
+    : surface_(surface), bounds_(bounds),
+      fitters_([&surface, &policies, bounds] { return Vertex_fitter<Policies>(surface, policies, bounds); }),
       fits_(surface.points.size()), stencil_sizes_(surface.points.size(), 0),
       reasons_(surface.points.size(), Lowering_reason::not_finite), displacements_(surface.neighbors.size(), 0.0)
   {}
@@ -47,7 +39,7 @@ public:
   {
     std::vector<Index> all(surface_.points.size());
     std::iota(all.begin(), all.end(), Index(0));
-    degrees_.assign(surface_.points.size(), static_cast<std::int8_t>(bounds_.degree));
+    degrees_.assign(surface_.points.size(), static_cast<std::int8_t>(bounds_.degree_at_rim));
     for (std::size_t first = 0; first < all.size(); first += vertices_per_block)
     {
       report_progress(progress, stage, 0.9 * static_cast<double>(first) / static_cast<double>(all.size()));
@@ -83,7 +75,7 @@ private:
     for_each(vertices, [this](Index v, std::size_t) {
       Vertex_result result = fitters_.local().fit(v, degrees_[v]);
       stencil_sizes_[v] = static_cast<std::int32_t>(result.stencil_size);
-      if (degrees_[v] == bounds_.degree)
+      if (degrees_[v] >= bounds_.degree)
         reasons_[v] = result.reason; // the reason of the first lowering stands
       fits_[v] = result.fit;
       set_displacements(v);
@@ -134,8 +126,8 @@ private:
   std::int8_t degree_wanted(Index v)
   {
     const Vertex_fit& fit = fits_[v];
-    if (fit.state != Vertex_fit_state::curved)
-      return degrees_[v];
+    if (fit.state != Vertex_fit_state::curved || fit.degree <= 2)
+      return degrees_[v]; // a parabola is as harmless as fits are
     Estimated_bend bend;
     for (Index i = surface_.neighbor_first[v]; i < surface_.neighbor_first[v + 1]; ++i)
     {
@@ -148,13 +140,13 @@ private:
       if (!(difference > bounds_.largest_disagreement * std::max(std::abs(own), std::abs(others))))
         continue;
       const double edge_length = length(subtract(surface_.points[neighbor], fit.origin));
-      if (bend.longest_edge == 0)
+      if (bend.longest_edge == 0) // not known yet
         bend = estimated_bend(surface_, v);
       const double estimate = estimated_displacement(surface_, v, neighbor);
       if (difference > bend.negligible_displacement(edge_length) &&
           std::abs(own - estimate) >= std::abs(others - estimate))
       {
-        if (degrees_[v] == bounds_.degree)
+        if (degrees_[v] >= bounds_.degree)
           reasons_[v] = Lowering_reason::disagreement;
         return static_cast<std::int8_t>((fit.degree - 1) / 2 * 2);
       }
@@ -185,6 +177,16 @@ private:
   std::vector<std::int8_t> degrees_;  ///< asked for
   std::vector<double> displacements_; ///< per entry of Surface_arrays::neighbors
 };
+
+/// the caller's normals as data. On a rim there are none: what was computed there is a mean over few faces.
+inline std::vector<Point> normals_off_rims(const Surface_arrays& surface)
+{
+  std::vector<Point> normals = surface.normals;
+  for (std::size_t v = 0; v < normals.size(); ++v)
+    if (surface.is_rim[v] || surface.is_tip[v])
+      normals[v] = {0, 0, 0};
+  return normals;
+}
 
 /// what the fits of vertices mean for the faces: the lowest of its corners makes a face.
 inline Reconstruction_report report_on_faces(const Surface_arrays& surface, const std::vector<Vertex_fit>& fits,

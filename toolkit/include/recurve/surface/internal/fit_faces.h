@@ -23,6 +23,7 @@ struct Fit_bounds
 {
   int degree = 2;
   double largest_displacement = 100; ///< in sizes of the face
+  bool interpolates_corners = false;
 };
 
 inline void add_to_report(const Face_result& result, Index face, Reconstruction_report& report)
@@ -48,7 +49,7 @@ Reconstruction_report fit_faces(const Graph& g, const Surface_arrays& surface, F
   constexpr auto stage = "reconstruct surface";
   using Fitter = Face_fitter<Policies>;
   tbb::enumerable_thread_specific<Fitter> fitters(
-    [&] { return Fitter(surface, policies, bounds.largest_displacement); });
+    [&] { return Fitter(surface, policies, bounds.largest_displacement, bounds.interpolates_corners); });
   std::vector<Face_result> block(static_cast<std::size_t>(std::min(faces_per_block, surface.face_count())));
   Reconstruction_report report;
   auto face = faces(g).begin();

@@ -33,6 +33,9 @@ public:
   double scaling(int c) const { return scaling_[static_cast<std::size_t>(c)]; } ///< 0 for a column of zeros
 
 private:
+  void set_points(const Weighted_points& points, int degree);
+  void set_slopes(const Weighted_points& points, int degree);
+
   int rows_ = 0;
   int columns_ = 0;
   int first_coefficient_ = 0;
@@ -59,12 +62,29 @@ inline double dot_product(const double* a, const double* b, int count)
 
 inline void Scaled_equations::set(const Weighted_points& points, int degree)
 {
-  rows_ = static_cast<int>(points.size());
+  rows_ = static_cast<int>(points.size() + 2 * points.slopes.size());
   first_coefficient_ = points.is_through_origin ? 1 : 0;
   columns_ = coefficient_count(degree) - first_coefficient_;
   const std::size_t size = static_cast<std::size_t>(rows_) * static_cast<std::size_t>(columns_ + 2);
   if (values_.size() < size)
     values_.resize(size);
+  set_points(points, degree);
+  if (points.slopes.size() > 0)
+    set_slopes(points, degree);
+  for (int c = 0; c < columns_; ++c)
+  {
+    double* const values = column(c);
+    const double norm = std::sqrt(dot_product(values, values, rows_));
+    scaling_[static_cast<std::size_t>(c)] = norm > 0 ? 1 / norm : 0;
+    for (int i = 0; i < rows_; ++i)
+      values[i] *= scaling_[static_cast<std::size_t>(c)];
+  }
+}
+
+/// the first rows: one per height.
+inline void Scaled_equations::set_points(const Weighted_points& points, int degree)
+{
+  const int count = static_cast<int>(points.size());
   double* const root = column(columns_ + 1);
   for (std::size_t i = 0; i < points.size(); ++i)
   {
@@ -82,16 +102,38 @@ inline void Scaled_equations::set(const Weighted_points& points, int degree)
       const int lower = p == 0 ? -1 : k == 0 ? coefficient_number(p - 1, 0) : coefficient_number(p - k, k - 1);
       const double* const from = lower < first_coefficient_ ? root : column(lower - first_coefficient_);
       const double* const factor = k == 0 ? points.u.data() : points.v.data();
-      for (int i = 0; i < rows_; ++i)
+      for (int i = 0; i < count; ++i)
         values[i] = p == 0 ? root[i] : from[i] * factor[i];
     }
-  for (int c = 0; c < columns_; ++c)
+}
+
+/// the rows after them: two per slope.
+inline void Scaled_equations::set_slopes(const Weighted_points& points, int degree)
+{
+  const Weighted_slopes& slopes = points.slopes;
+  std::array<double, max_columns> monomials;
+  for (std::size_t i = 0; i < slopes.size(); ++i)
   {
-    double* const values = column(c);
-    const double norm = std::sqrt(dot_product(values, values, rows_));
-    scaling_[static_cast<std::size_t>(c)] = norm > 0 ? 1 / norm : 0;
-    for (int i = 0; i < rows_; ++i)
-      values[i] *= scaling_[static_cast<std::size_t>(c)];
+    const std::size_t row = points.size() + 2 * i;
+    const double root = std::sqrt(slopes.weight[i]);
+    rhs()[row] = root * slopes.by_u[i];
+    rhs()[row + 1] = root * slopes.by_v[i];
+    monomials[0] = root;
+    for (int p = 0; p <= degree; ++p)
+      for (int k = 0; k <= p; ++k)
+      {
+        const int j = p - k;
+        const auto lower = [&](int a, int b) { return monomials[static_cast<std::size_t>(coefficient_number(a, b))]; };
+        const int number = coefficient_number(j, k);
+        if (p > 0)
+          monomials[static_cast<std::size_t>(number)] =
+            j > 0 ? slopes.u[i] * lower(j - 1, k) : slopes.v[i] * lower(0, k - 1);
+        if (number < first_coefficient_)
+          continue;
+        double* const values = column(number - first_coefficient_);
+        values[row] = j > 0 ? j * lower(j - 1, k) : 0;
+        values[row + 1] = k > 0 ? k * lower(j, k - 1) : 0;
+      }
   }
 }
 
@@ -101,12 +143,46 @@ inline Scaled_equations& equations_of_thread()
   return equations;
 }
 
+/// subtracts factor * (v . a) * v from each of `Columns` columns a, which are `stride` apart. Several at a time load v
+/// once.
+template <int Columns>
+void reflect(const double* v, double* first, int stride, int count, double factor)
+{
+  std::array<std::array<double, 2>, Columns> sums = {};
+  const auto column = [&](int c) { return first + static_cast<std::ptrdiff_t>(c) * stride; };
+  int i = 0;
+  for (; i + 2 <= count; i += 2)
+    for (int c = 0; c < Columns; ++c)
+    {
+      sums[static_cast<std::size_t>(c)][0] += v[i] * column(c)[i];
+      sums[static_cast<std::size_t>(c)][1] += v[i + 1] * column(c)[i + 1];
+    }
+  std::array<double, Columns> amounts;
+  for (int c = 0; c < Columns; ++c)
+  {
+    const auto& sum = sums[static_cast<std::size_t>(c)];
+    amounts[static_cast<std::size_t>(c)] = factor * (sum[0] + sum[1] + (i < count ? v[i] * column(c)[i] : 0));
+  }
+  for (int c = 0; c < Columns; ++c)
+  {
+    double* const values = column(c);
+    const double amount = amounts[static_cast<std::size_t>(c)];
+    for (int k = 0; k < count; ++k)
+      values[k] -= amount * v[k];
+  }
+}
+
 /// Which columns of the equations are in the triangle.
 struct Triangle
 {
   int size = 0;
   std::array<int, max_columns> columns; ///< entry c is the column with the diagonal entry in row c; ascending
 };
+
+/// Weights are the steeper the higher the degree; above this one even independent columns look alike when all points
+/// lie on one side. The bound on what counts as independent is eased by a factor for each degree more.
+inline constexpr int ordinary_degree = 8;
+inline constexpr double easing_per_degree = 0.1;
 
 /// turns the equations to triangular form. A column whose part across those before it is not longer than
 /// `least_independence` is left out; its rows stay as they are. On return column triangle.columns[c] holds column c of
@@ -127,13 +203,11 @@ inline Triangle triangulate(Scaled_equations& equations, double least_independen
     const double diagonal = pivot[row] > 0 ? -norm : norm;
     pivot[row] -= diagonal; // pivot[row...] is now Householder's vector
     const double factor = -1 / (diagonal * pivot[row]);
-    for (int other = c + 1; other <= columns; ++other)
-    {
-      double* const values = equations.column(other);
-      const double amount = factor * dot_product(pivot + row, values + row, rest);
-      for (int i = row; i < rows; ++i)
-        values[i] -= amount * pivot[i];
-    }
+    int other = c + 1;
+    for (; other + 4 <= columns + 1; other += 4)
+      reflect<4>(pivot + row, equations.column(other) + row, rows, rest, factor);
+    for (; other <= columns; ++other)
+      reflect<1>(pivot + row, equations.column(other) + row, rows, rest, factor);
     pivot[row] = diagonal;
     triangle.columns[static_cast<std::size_t>(triangle.size++)] = c;
   }
@@ -155,13 +229,45 @@ inline void substitute_back(Scaled_equations& equations, const Triangle& triangl
   }
 }
 
+/// The triangle that a thread solved last, for lower degrees of the same equations.
+struct Last_triangle
+{
+  Triangle triangle;
+  std::array<double, max_columns> rhs; ///< as long as the triangle
+};
+
+inline Last_triangle& last_triangle_of_thread()
+{
+  thread_local Last_triangle last;
+  return last;
+}
+
 inline void solve_by_graded_qr(const Weighted_points& points, int degree, double least_independence,
                                std::span<double> coefficients)
 {
   std::fill(coefficients.begin(), coefficients.end(), 0.0);
   Scaled_equations& equations = equations_of_thread();
   equations.set(points, degree);
-  const Triangle triangle = triangulate(equations, least_independence);
+  Last_triangle& last = last_triangle_of_thread();
+  for (int d = ordinary_degree; d < degree; ++d)
+    least_independence *= easing_per_degree;
+  last.triangle = triangulate(equations, least_independence);
+  std::copy_n(equations.rhs(), last.triangle.size, last.rhs.begin());
+  substitute_back(equations, last.triangle, coefficients);
+}
+
+/// the solution of the equations that this thread solved last, for a lower degree. Columns come by degree: what is left
+/// of the triangle is that of the lower degree.
+inline void solve_last_for_lower_degree(int degree, std::span<double> coefficients)
+{
+  std::fill(coefficients.begin(), coefficients.end(), 0.0);
+  Scaled_equations& equations = equations_of_thread();
+  const Last_triangle& last = last_triangle_of_thread();
+  Triangle triangle = last.triangle;
+  const int columns = coefficient_count(degree) - equations.first_coefficient();
+  while (triangle.size > 0 && triangle.columns[static_cast<std::size_t>(triangle.size) - 1] >= columns)
+    --triangle.size;
+  std::copy_n(last.rhs.begin(), triangle.size, equations.rhs());
   substitute_back(equations, triangle, coefficients);
 }
 

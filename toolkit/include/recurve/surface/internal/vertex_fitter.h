@@ -1,8 +1,10 @@
 #ifndef RECURVE_SURFACE_INTERNAL_VERTEX_FITTER_H
 #define RECURVE_SURFACE_INTERNAL_VERTEX_FITTER_H
 
+#include <recurve/surface/internal/concentrated_curvature.h>
 #include <recurve/surface/internal/edge_displacement.h>
 #include <recurve/surface/internal/face_normal.h>
+#include <recurve/surface/internal/fit_points.h>
 #include <recurve/surface/internal/surface_arrays.h>
 #include <recurve/surface/internal/vector_3.h>
 #include <recurve/surface/policies.h>
@@ -17,6 +19,27 @@
 #include <vector>
 
 namespace recurve::internal::surface {
+
+/// What the fits of vertices have to keep to; see `Vertex_fit_options`.
+struct Vertex_fit_bounds
+{
+  int degree = 4;                    ///< of the polynomials
+  int degree_at_rim = 6;             ///< of those whose points are on one side of a rim; at least `degree`
+  double largest_displacement = 0.5; ///< of a mid-edge, in edge lengths
+  double largest_disagreement = 0.5;
+  std::span<const Point> data_normals = {}; ///< per vertex of the surface arrays, zero for none; empty: points alone
+};
+
+/// Degrees more where a stencil touches a rim that is two or more edges away.
+inline constexpr int degrees_more_near_rim = 2;
+
+/// A fit of a raised degree stands where two degrees change the edges by no more than this part of the bend, and the
+/// two before by no more than the second: elsewhere the points do not resolve the surface, and high degrees oscillate.
+inline constexpr double resolved_change = 0.05;
+inline constexpr double resolved_change_before = 0.2;
+
+/// ... and where the changes do not grow. Noise makes them grow, to more than twice for each two degrees.
+inline constexpr double largest_growth = 1;
 
 /// What became of one vertex.
 struct Vertex_result
@@ -36,41 +59,54 @@ inline constexpr double largest_departure = 0.75;
 /// Where a fit departs from the normals' estimate it must agree so many times better with the fit of two degrees less.
 inline constexpr double strictness_in_doubt = 3;
 
-/// Differences in lengths of the edge that are no oscillation, but what fits have to say where a surface is nearly
-/// flat; the second where the alternative is no fit at all.
+/// Difference in lengths of the edge that is no oscillation, but what fits have to say where a surface is nearly flat.
 inline constexpr double harmless_difference = 1e-3;
-inline constexpr double harmless_parabola = 1e-2;
+
+/// A parabola is given up for the flat face only where it is farther from the displacements that the normals tell than
+/// no displacement is: by this factor of the sum of squares over the edges, relative to their lengths, since normals at
+/// a rim tell half.
+inline constexpr double largest_square_ratio = 1.25;
 
 /// What the normals tell at a rim may be off by the whole bend, since a normal there is that of one side: as many times
 /// what is negligible elsewhere.
 inline constexpr double uncertainty_at_rim = 3;
+
+/// Cosine between the normal of a fit and one that is data, from which on it is of use: slopes below ten.
+inline constexpr double least_upright = 0.1;
 
 /// Fits one vertex after another; holds the memory that every fit needs, so that fits allocate nothing.
 template <class Policies>
 class Vertex_fitter
 {
 public:
-  Vertex_fitter(const Surface_arrays& surface, const Policies& policies, double largest_displacement,
-                double largest_disagreement)
-    : surface_(&surface), policies_(&policies), builder_(surface), largest_displacement_(largest_displacement),
-      largest_disagreement_(largest_disagreement),
-      has_twins_(surface.vertex_count() > 0 && surface.original_vertices.back() + 1 != surface.vertex_count())
+  Vertex_fitter(const Surface_arrays& surface, const Policies& policies, const Vertex_fit_bounds& bounds)
+    : surface_(&surface), policies_(&policies), builder_(surface, bounds.data_normals.empty() ? 1 : 3), bounds_(bounds),
+      has_twins_(surface.vertex_count() > 0 && surface.original_vertices.back() + 1 != surface.vertex_count()),
+      data_normals_(bounds.data_normals)
   {}
 
-  /// fits `vertex` with the highest degree up to `degree` that is any good, in even steps.
+  /// fits `vertex` with the highest degree up to `degree` that is any good, in even steps. Beyond the bounds' degree
+  /// only where the stencil touches a rim.
   Vertex_result fit(Index vertex, int degree)
   {
     Vertex_result result;
     result.reason = Lowering_reason::no_normal;
     result.fit.origin = surface_->points[vertex];
-    if (surface_->is_tip[vertex] || surface_->normals[vertex] == Point{0, 0, 0} || !set_axes(vertex, result.fit))
+    if (surface_->is_tip[vertex] || has_concentrated_curvature(*surface_, vertex) ||
+        surface_->normals[vertex] == Point{0, 0, 0} || !set_axes(vertex, result.fit))
       return result;
+    if (!surface_->is_rim[vertex] && has_coplanar_faces(vertex, result.fit))
+    {
+      result.fit.state = Vertex_fit_state::planar;
+      return result;
+    }
     const Estimated_bend bend = estimated_bend(*surface_, vertex);
     result.fit.state = Vertex_fit_state::flat;
-    bool is_first = true;
-    for (int d = degree; d > 0; d = (d - 1) / 2 * 2)
+    const int first = gather_first(vertex, result.fit, degree);
+    for (int d = first; d > 0; d = (d - 1) / 2 * 2)
     {
-      gather_points(vertex, result.fit, d);
+      if (d < first)
+        gather_points(vertex, result.fit, d);
       if (is_planar_)
         result.fit.state = Vertex_fit_state::planar;
       if (is_planar_)
@@ -78,9 +114,8 @@ public:
       result.stencil_size = builder_.size();
       const Verdict verdict =
         solve(d, result.fit) ? judge(vertex, d, result.fit, bend) : Verdict{Lowering_reason::not_finite, false};
-      if (is_first && !(verdict.is_good && result.fit.degree == degree))
+      if (d == first && !(verdict.is_good && result.fit.degree == first))
         result.reason = verdict.reason; // the reason of the first lowering stands
-      is_first = false;
       if (verdict.is_good)
         return result;
     }
@@ -124,6 +159,50 @@ private:
     return true;
   }
 
+  /// whether the faces around `vertex` lie in one plane, to round-off: then it is in a planar part of the surface, even
+  /// where a wider stencil would see the bend beside it. (On a rim there may be one face only.)
+  bool has_coplanar_faces(Index vertex, const Vertex_fit& frame) const
+  {
+    const std::span<const Index> corners = surface_->corners_of_vertex(vertex);
+    return std::all_of(corners.begin(), corners.end(), [&](Index corner) {
+      for (Index other = surface_->next_corner(corner); other != corner; other = surface_->next_corner(other))
+        if (is_off_plane(surface_->points[surface_->corner_vertices[other]], frame))
+          return false;
+      return true;
+    });
+  }
+
+  /// whether `x` has a height that the resolution of the points and of the normal cannot explain.
+  bool is_off_plane(const Point& x, const Vertex_fit& frame) const
+  {
+    const Point way = subtract(x, frame.origin);
+    const double resolution = coordinate_resolution * std::max(largest_coordinate(x), largest_coordinate(frame.origin));
+    return std::abs(dot(way, frame.n)) > 2 * resolution * (1 + length(way) * slope_noise_);
+  }
+
+  /// gathers the points of the first fit. \return its degree.
+  int gather_first(Index vertex, const Vertex_fit& frame, int degree)
+  {
+    const int inside = std::min(degree, bounds_.degree);
+    gather_points(vertex, frame, inside);
+    if (degree == inside || is_planar_ || !builder_.touches_rim())
+      return inside;
+    const int raised = is_next_to_rim(vertex) ? degree : std::min(degree, bounds_.degree + degrees_more_near_rim);
+    gather_points(vertex, frame, raised);
+    if (builder_.equations() >= coefficient_count(raised))
+      return raised;
+    gather_points(vertex, frame, inside); // a small region
+    return inside;
+  }
+
+  /// whether `vertex` or a neighbour is on a rim.
+  bool is_next_to_rim(Index vertex) const
+  {
+    const auto neighbors = surface_->neighbors_of(vertex);
+    return surface_->is_rim[vertex] ||
+           std::any_of(neighbors.begin(), neighbors.end(), [this](Index v) { return surface_->is_rim[v] != 0; });
+  }
+
   /// sets the weighted points of the stencil and is_planar_.
   void gather_points(Index vertex, const Vertex_fit& frame, int degree)
   {
@@ -132,30 +211,14 @@ private:
     const std::span<Index> vertices = builder_.vertices();
     if (has_twins_)
       std::sort(vertices.begin(), vertices.end());
-    s_.clear();
-    t_.clear();
-    height_.clear();
-    weight_.clear();
+    points_.clear();
     is_planar_ = true;
+    if (has_normals())
+      add_slope(vertex, {0, 0, 0}, frame, weight_of(1, 1, degree)); // its own normal counts as much as a neighbour's
     for (std::size_t i = 0; i < vertices.size(); ++i)
       if (surface_->original_vertices[vertices[i]] != surface_->original_vertices[vertex] &&
-          (!has_twins_ || is_best_twin(vertices, i, frame.n)))
+          (!has_twins_ || is_best_side(*surface_, vertices, i, frame.n)))
         add_point(vertices[i], frame, degree);
-  }
-
-  /// Where a feature curve ends within a surface, a stencil may hold both sides of one vertex: the point counts once,
-  /// with the normal that agrees better.
-  bool is_best_twin(std::span<const Index> vertices, std::size_t i, const Point& normal) const
-  {
-    const auto original = [&](std::size_t j) { return surface_->original_vertices[vertices[j]]; };
-    const auto cosine = [&](std::size_t j) { return dot(surface_->normals[vertices[j]], normal); };
-    for (std::size_t j = i; j-- > 0 && original(j) == original(i);)
-      if (cosine(j) >= cosine(i))
-        return false;
-    for (std::size_t j = i + 1; j < vertices.size() && original(j) == original(i); ++j)
-      if (cosine(j) > cosine(i))
-        return false;
-    return true;
   }
 
   void add_point(Index vertex, const Vertex_fit& frame, int degree)
@@ -165,20 +228,34 @@ private:
     const Point local = frame.local_direction(way);
     const double height = local[2] / frame.size;
     const double weight =
-      policies_->weighting(Stencil_point{.distance = std::sqrt(local[0] * local[0] + local[1] * local[1]),
-                                         .cosine = dot(surface_->normals[vertex], frame.n),
-                                         .is_corner = false},
-                           degree);
+      weight_of(std::sqrt(local[0] * local[0] + local[1] * local[1]), dot(surface_->normals[vertex], frame.n), degree);
     if (!(weight > 0) || !std::isfinite(weight))
       return;
-    s_.push_back(local[0]);
-    t_.push_back(local[1]);
-    height_.push_back(height);
-    weight_.push_back(weight);
-    // Heights that the resolution of the points and of the normal can explain are none.
-    const double resolution = coordinate_resolution * std::max(largest_coordinate(x), largest_coordinate(frame.origin));
-    if (std::abs(local[2]) > 2 * resolution * (1 + length(way) * slope_noise_))
+    points_.add(local[0], local[1], height, weight);
+    if (has_normals())
+      add_slope(vertex, local, frame, weight);
+    if (is_off_plane(x, frame))
       is_planar_ = false;
+  }
+
+  double weight_of(double distance, double cosine, int degree) const
+  {
+    return policies_->weighting(Stencil_point{.distance = distance, .cosine = cosine, .is_corner = false}, degree);
+  }
+
+  bool has_normals() const { return !data_normals_.empty(); }
+
+  /// adds the slopes that the normal of `vertex` asks for at `local`, if it has one and stands up.
+  void add_slope(Index vertex, const Point& local, const Vertex_fit& frame, double weight)
+  {
+    const Point& normal = data_normals_[static_cast<std::size_t>(vertex)];
+    const double up = dot(normal, frame.n);
+    if (!(up > least_upright) || !(weight > 0) || !std::isfinite(weight))
+      return;
+    // The surface is size * h(s, t) high: n - size (h_s s_axis + h_t t_axis) is across it.
+    const double by_s = -dot(normal, frame.s_axis) / (up * frame.size * dot(frame.s_axis, frame.s_axis));
+    const double by_t = -dot(normal, frame.t_axis) / (up * frame.size * dot(frame.t_axis, frame.t_axis));
+    points_.add_slope(local[0], local[1], by_s, by_t, weight);
   }
 
   /// sets coefficients, degree and state of `fit`. \return whether they are finite.
@@ -186,7 +263,28 @@ private:
   {
     const std::span<double> coefficients(fit.coefficients.data(), static_cast<std::size_t>(coefficient_count(degree)));
     fit.coefficients = {};
-    policies_->solver(Weighted_points{s_, t_, height_, weight_, true}, degree, coefficients);
+    policies_->solver(points_.view(true), degree, coefficients);
+    return accept(degree, fit);
+  }
+
+  /// the same for a lower degree and the points that were solved for last.
+  bool solve_lower(int degree, Vertex_fit& fit) const
+  {
+    if constexpr (requires(std::span<double> c) { policies_->solver.solve_lower(degree, c); })
+    {
+      fit.coefficients = {};
+      policies_->solver.solve_lower(degree,
+                                    {fit.coefficients.data(), static_cast<std::size_t>(coefficient_count(degree))});
+      return accept(degree, fit);
+    }
+    else
+      return solve(degree, fit);
+  }
+
+  static bool accept(int degree, Vertex_fit& fit)
+  {
+    const std::span<const double> coefficients(fit.coefficients.data(),
+                                               static_cast<std::size_t>(coefficient_count(degree)));
     if (!std::all_of(coefficients.begin(), coefficients.end(), [](double c) { return std::isfinite(c); }))
       return false;
     fit.degree = degree;
@@ -206,6 +304,10 @@ private:
   /// with the fit of two degrees less: a series that converges does.
   Verdict judge(Index vertex, int degree, const Vertex_fit& fit, const Estimated_bend& bend) const
   {
+    if (degree <= 2)
+      return judge_parabola(vertex, fit);
+    if (degree > bounds_.degree && !is_converging(vertex, degree, fit))
+      return {Lowering_reason::disagreement, false};
     Vertex_fit lower;
     bool has_lower = false;
     for (const Index neighbor : surface_->neighbors_of(vertex))
@@ -213,14 +315,12 @@ private:
       const Point& end = surface_->points[neighbor];
       const double edge_length = length(subtract(end, fit.origin));
       const double own = middle_displacement(fit, end);
-      if (!(std::abs(own) <= largest_displacement_ * edge_length))
+      if (!(std::abs(own) <= bounds_.largest_displacement * edge_length))
         return {Lowering_reason::displacement, false};
       const double estimate = estimated_displacement(*surface_, vertex, neighbor);
       const double negligible = bend.negligible_displacement(edge_length);
       if (std::abs(own - estimate) <= negligible)
         continue;
-      if (degree <= 2 && bend.is_short(edge_length))
-        continue; // flat would be worse: it gives up the long edges for the short ones
       const auto departs = [&](double other, double bound, double least) {
         const double difference = std::abs(own - other);
         return difference > least && difference > bound * std::max(std::abs(own), std::abs(other));
@@ -228,25 +328,60 @@ private:
       const bool is_at_rim = surface_->is_rim[vertex] || surface_->is_rim[neighbor];
       const double unsure = is_at_rim ? uncertainty_at_rim * negligible : negligible;
       const bool is_doubtful = departs(estimate, largest_departure, unsure);
-      if (degree <= 2)
-      {
-        if (is_doubtful && departs(estimate, largest_departure, harmless_parabola * edge_length))
-          return {Lowering_reason::disagreement, false};
-        continue;
-      }
       if (!has_lower)
       {
         lower = fit;
-        if (!solve(degree - 2, lower))
+        if (!solve_lower(degree - 2, lower))
           return {Lowering_reason::not_finite, false};
         has_lower = true;
       }
       const double strictness = is_doubtful ? strictness_in_doubt : 1;
-      if (departs(middle_displacement(lower, end), largest_disagreement_ / strictness,
+      if (departs(middle_displacement(lower, end), bounds_.largest_disagreement / strictness,
                   std::max(negligible / strictness, harmless_difference * edge_length)))
         return {Lowering_reason::disagreement, false};
     }
     return {};
+  }
+
+  /// whether a fit of degree 2 or less, after which there is none, is better than no displacement at all.
+  Verdict judge_parabola(Index vertex, const Vertex_fit& fit) const
+  {
+    double departure = 0, flat_departure = 0;
+    for (const Index neighbor : surface_->neighbors_of(vertex))
+    {
+      const Point& end = surface_->points[neighbor];
+      const double edge_length = length(subtract(end, fit.origin));
+      if (!(edge_length > 0))
+        continue;
+      const double own = middle_displacement(fit, end) / edge_length;
+      if (!(std::abs(own) <= bounds_.largest_displacement))
+        return {Lowering_reason::displacement, false};
+      const double estimate = estimated_displacement(*surface_, vertex, neighbor) / edge_length;
+      departure += (own - estimate) * (own - estimate);
+      flat_departure += estimate * estimate;
+    }
+    if (departure > largest_square_ratio * flat_departure)
+      return {Lowering_reason::disagreement, false};
+    return {};
+  }
+
+  /// whether the fits of two and of four degrees less, to the same points, come ever nearer to `fit`.
+  bool is_converging(Index vertex, int degree, const Vertex_fit& fit) const
+  {
+    Vertex_fit lower = fit, lowest = fit;
+    if (degree < 5 || !solve_lower(degree - 2, lower) || !solve_lower(degree - 4, lowest))
+      return false;
+    double last_change = 0, change_before = 0, bend = 0;
+    for (const Index neighbor : surface_->neighbors_of(vertex))
+    {
+      const Point& end = surface_->points[neighbor];
+      const double middle = middle_displacement(lower, end);
+      bend = std::max(bend, std::abs(middle));
+      last_change = std::max(last_change, std::abs(middle_displacement(fit, end) - middle));
+      change_before = std::max(change_before, std::abs(middle - middle_displacement(lowest, end)));
+    }
+    return last_change <= largest_growth * change_before && last_change <= resolved_change * bend &&
+           change_before <= resolved_change_before * bend;
   }
 
   static bool has_no_terms(const Vertex_fit& fit, int degree)
@@ -258,12 +393,12 @@ private:
   const Surface_arrays* surface_;
   const Policies* policies_;
   Stencil_builder builder_;
-  double largest_displacement_;
-  double largest_disagreement_;
+  Vertex_fit_bounds bounds_;
   bool has_twins_; ///< some vertices are on several regions
   bool is_planar_ = false;
   double slope_noise_ = 0; ///< tilt of the normal by the resolution of the points, per unit of that resolution
-  std::vector<double> s_, t_, height_, weight_;
+  std::span<const Point> data_normals_; ///< per vertex; zero: none. Empty: points alone are data
+  Fit_points points_;
 };
 
 } // namespace recurve::internal::surface
