@@ -307,28 +307,6 @@ TEST_CASE("noise is not amplified", "[fit_vertices]")
   }
 }
 
-TEST_CASE("noise is not amplified beside a rim either", "[fit_vertices]")
-{
-  std::mt19937 random(11);
-  std::uniform_real_distribution<double> uniform(-1, 1);
-  const double step = 2 * std::numbers::pi / 60;
-  for (const double relative : {1e-7, 1e-3})
-  {
-    Polygons cylinder = mapped_grid(60, 20, true, [=](double a, double b) { return on_cylinder(a, 20 * step * b); });
-    for (Point& x : cylinder.points)
-      for (double& c : x)
-        c += relative * step * uniform(random);
-    for (const bool is_split : {false, true})
-      for (const int d : {2, 4, 6})
-      {
-        CAPTURE(relative, is_split, d);
-        const Mesh mesh = make_mesh(is_split ? split_quads(cylinder) : cylinder);
-        const double without = d == 2 ? 1e-7 : 1e-8; // the fit's own error
-        CHECK(largest_error(curved(mesh, d, 2), distance_to_cylinder) < 6 * relative * step + without);
-      }
-  }
-}
-
 TEST_CASE("the tip of a cone is told from the mesh", "[fit_vertices]")
 {
   // 20 around, from the tip downwards; the tip is not marked as sharp.
