@@ -125,7 +125,17 @@ class Command_line(unittest.TestCase):
         self.assertEqual(summary["cells_by_type"], {"tetrahedron": 0, "pyramid": 0, "prism": 0, "hexahedron": 192})
         self.assertEqual([(p["name"], p["quadrangles"], p["place"]) for p in summary["patches"]],
                          [("sphere", 96, "boundary"), ("outer", 96, "boundary")])
+        self.assertEqual((summary["degree"], summary["nodes"], summary["straight_cells"]), (1, 294, 192))
         self.assertEqual(self.files(), ["shell.cgns"])
+
+    def test_info_on_a_curved_mesh(self):
+        recurve("curve", self.mesh, self.out, "-p", "3")
+        run = recurve("info", self.out)
+        self.assertEqual((run.returncode, run.stderr), (DONE, ""))
+        nodes = 96 * 9 * 7 + 2 * 7  # 96 faces of 3 x 3 nodes around and 2 more, in 2 layers of 3 nodes and 1 more
+        self.assertIn(f"of degree 3: {nodes:,} nodes", run.stdout)
+        summary = json.loads(recurve("info", self.out, "--json").stdout)
+        self.assertEqual((summary["degree"], summary["nodes"], summary["cells"]), (3, nodes, 192))
 
     def test_check(self):
         run = recurve("check", self.mesh)
