@@ -232,6 +232,7 @@ inline Surface bar(const std::vector<std::array<double, 2>>& corners, const std:
 inline std::vector<std::array<double, 2>> regular_polygon(int n)
 {
   std::vector<std::array<double, 2>> corners;
+  corners.reserve(static_cast<std::size_t>(n));
   for (int i = 0; i < n; ++i)
     corners.push_back({std::cos(2 * pi * i / n), std::sin(2 * pi * i / n)});
   return corners;

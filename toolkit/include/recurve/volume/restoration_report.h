@@ -50,6 +50,7 @@ struct Block_element
   Index element = no_index;
 
   friend bool operator==(const Block_element&, const Block_element&) = default;
+  // NOLINTNEXTLINE(modernize-use-nullptr): false alarm
   friend auto operator<=>(const Block_element&, const Block_element&) = default;
 };
 
