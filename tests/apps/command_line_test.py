@@ -168,6 +168,9 @@ class Command_line(unittest.TestCase):
         self.assert_fails(recurve("check", self.folder / "none.cgns"), BAD_INPUT, "none.cgns")
         self.assert_fails(recurve("check"), USAGE, "FILE")
         self.assert_fails(recurve("check", self.mesh, "--vtu", "a.txt"), USAGE, "a.txt")
+        empty = self.folder / "empty.msh"
+        empty.write_text("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n1\n1 0 0 0\n$EndNodes\n$Elements\n0\n$EndElements\n")
+        self.assert_fails(recurve("check", empty), BAD_INPUT, "no cells")
 
     def test_curve(self):
         before = self.mesh.read_bytes()

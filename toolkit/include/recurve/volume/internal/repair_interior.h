@@ -2,7 +2,6 @@
 #define RECURVE_VOLUME_INTERNAL_REPAIR_INTERIOR_H
 
 #include <recurve/core/types.h>
-#include <recurve/volume/internal/jacobian_table.h>
 #include <recurve/volume/internal/repair_component.h>
 #include <recurve/volume/internal/restoration_cells.h>
 #include <recurve/volume/restoration_report.h>
@@ -21,13 +20,6 @@
 #include <vector>
 
 namespace recurve::internal {
-
-/// made once for each type and degree.
-inline const Distortion_points& distortion_points(Element_type type, int degree)
-{
-  static Table_store<Distortion_points> store;
-  return store.get(type, degree, [](Element_type t, int p) { return Distortion_points(t, p); });
-}
 
 /// Moves nodes inside the volume around failing cells: parts the cells there into components that share no node that
 /// may move, and minimises the distortion of each. What does not help, or harms a cell that was valid, is left undone.
@@ -171,9 +163,14 @@ private:
         p[d] += repair.displacement(number)[d];
       return p;
     };
-    if (!untangle(repair,
-                  [&] { return std::ranges::all_of(component, [&](auto c) { return is_valid_(c, moved); }); }) &&
-        !helps(component, moved))
+    // Those that fail come first, so that a negative answer comes soon.
+    Component failing_first = component;
+    std::ranges::stable_partition(failing_first,
+                                  [this](Block_element c) { return cells_.has(Restoration_cells::failing, c); });
+    const auto all_valid = [&] {
+      return std::ranges::all_of(failing_first, [&](auto c) { return is_valid_(c, moved); });
+    };
+    if (!untangle(repair, all_valid) && !helps(component, moved))
       return {};
     Moves moves;
     for (std::size_t n = 0; n < numbering.movable; ++n)
@@ -190,21 +187,19 @@ private:
       const Point from = levels_.straight(node), to = levels_.current(node);
       displacements.push_back({to[0] - from[0], to[1] - from[1], to[2] - from[2]});
     }
-    std::vector<Repair_component::Cell> cells;
+    std::vector<Distorted_cell> cells;
     cells.reserve(component.size());
-    std::vector<Point> straight;
     for (const Block_element cell : component)
     {
-      straight.clear();
-      std::vector<int> nodes;
+      const Element_type type = cells_.type(cell);
+      cells.push_back({type, &distortion_points(type, cells_.degree()), {}, {}});
       for (const Index node : cells_.nodes(cell))
       {
-        straight.push_back(levels_.straight(node));
-        nodes.push_back(numbering.numbers.at(node));
+        cells.back().straight.push_back(levels_.straight(node));
+        cells.back().nodes.push_back(numbering.numbers.at(node));
       }
-      cells.push_back({Straight_shape(distortion_points(cells_.type(cell), cells_.degree()), straight), nodes});
     }
-    return Repair_component(std::move(cells), std::move(displacements), numbering.movable);
+    return Repair_component(cells, std::move(displacements), numbering.movable);
   }
 
   /// minimises with less and less regularisation until `is_done()`, or until it gets no better.
@@ -222,8 +217,7 @@ private:
     for (int stage = 0; stage < stages && idle < 2; ++stage)
     {
       const double negative = share * std::min(least, 0.0);
-      repair.minimise(std::sqrt(smallest * smallest + negative * negative), steps);
-      const double reached = repair.least_determinant();
+      const double reached = repair.minimise(std::sqrt(smallest * smallest + negative * negative), steps);
       if (reached > 0 && is_done())
         return true;
       idle = reached > least + 0.02 * std::abs(least) ? 0 : idle + 1;

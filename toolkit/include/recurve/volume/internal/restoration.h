@@ -32,8 +32,8 @@ class Restoration
 {
 public:
   Restoration(Points& nodes, const Straight& straight, std::span<const Element_block> blocks, int degree,
-              std::span<const Node_role> roles, std::span<const std::array<Index, 2>> linked,
-              const Restoration_options& options, const Visit& visit)
+              std::span<const Node_role> roles, const Linked_nodes& linked, const Restoration_options& options,
+              const Visit& visit)
     : nodes_(nodes), straight_(straight), cells_(blocks, degree), roles_(roles), options_(options), visit_(visit),
       levels_(nodes, straight, linked), bounders_(wide_kernel())
   {}
