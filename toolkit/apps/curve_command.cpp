@@ -175,6 +175,7 @@ int run(Curve_arguments& given)
   report.peak_memory_bytes = peak_memory_bytes();
   results.commit(report);
   bar.finish();
+  tell_loss(given.output, curved);
   if (!given.is_quiet)
     fmt::print("{}", describe(report));
   return report.certification.is_certified() ? exit_done : exit_uncertified;

@@ -1,5 +1,8 @@
 #include "output_options.h"
 
+#include <fmt/format.h>
+
+#include <cstdio>
 #include <map>
 #include <string>
 
@@ -15,6 +18,12 @@ void add_output_options(CLI::App& command, Write_options& options)
     ->type_name("")
     ->group(group);
   command.add_flag("--ascii", options.msh.is_ascii, "write a .msh file as text")->group(group);
+}
+
+void tell_loss(const std::filesystem::path& output, const Curved_mesh& mesh)
+{
+  if (const std::string loss = describe_loss(mesh_format_of(output), mesh); !loss.empty())
+    fmt::print(stderr, "recurve: {}: {}\n", output.string(), loss);
 }
 
 } // namespace recurve
