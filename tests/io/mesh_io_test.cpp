@@ -110,7 +110,7 @@ TEST_CASE("each reader refuses what is not its format")
 {
   const fs::path folder = empty_folder();
   for (const Mesh_format& format : mesh_formats())
-    for (const std::string& text : {std::string("\0\1\2\3 no mesh\n", 14), std::string(3000, '\xff'), std::string("\n"),
+    for (const std::string& text : {std::string("\0\1\2\3 no mesh\n", 13), std::string(3000, '\xff'), std::string("\n"),
                                     std::string("<?xml version=\"1.0\"?>\n")})
       for (const std::string& extension : format.extensions)
       {
