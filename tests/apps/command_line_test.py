@@ -17,6 +17,8 @@ from pathlib import Path
 
 import h5py
 import numpy
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkIOImage import vtkPNGReader
 
 RECURVE, WRITE_SAMPLES, FOLDER = None, None, None
 
@@ -34,6 +36,16 @@ SWITCHES = {"--no-border-ends": ("border_ends", False), "--no-reject-smooth": ("
 
 def recurve(*arguments, **options):
     return subprocess.run([RECURVE, *map(str, arguments)], capture_output=True, text=True, timeout=300, **options)
+
+
+def read_png(path):
+    """rows from the top of pixels of red, green and blue, as VTK reads them."""
+    reader = vtkPNGReader()
+    reader.SetFileName(str(path))
+    reader.Update()
+    width, height, _ = reader.GetOutput().GetDimensions()
+    pixels = vtk_to_numpy(reader.GetOutput().GetPointData().GetScalars())
+    return pixels.reshape(height, width, -1)[::-1]
 
 
 class Command_line(unittest.TestCase):
@@ -209,16 +221,35 @@ class Command_line(unittest.TestCase):
         self.assertGreater(report["deformation"]["moved_nodes"], 0)
         self.assertTrue(picture.read_text().startswith("<svg"))
         self.assertIn("0 cells inverted", run.stdout)
+        picture = picture.with_suffix(".png")
+        run = recurve("curve", self.mesh, self.out, "--histogram", picture)
+        self.assertEqual(run.returncode, DONE, run.stderr)
+        pixels = read_png(picture)
+        self.assertEqual(pixels.shape, (420, 900, 3))
+        for stage, color in zip(report["jacobians"], ((176, 176, 176), (217, 95, 2), (27, 108, 168), (117, 112, 179))):
+            # Along a row that all bars reach, they are the stretches of the stage's colour.
+            is_bar = (pixels[420 - 63] == color).all(axis=1)
+            bars = numpy.count_nonzero(numpy.diff(is_bar.astype(int)) == 1)
+            counts = [stage["inverted"] + stage["wrong_before"], *stage["histogram"]]
+            self.assertEqual(bars, numpy.count_nonzero(counts), stage["stage"])
         run = recurve("curve", self.mesh, self.out, "--report", self.report, "--no-deform", "--area-weights",
                       "--influence-radius", "2", "--deform-error", "1e-3")
         self.assertEqual(run.returncode, DONE, run.stderr)
         report = json.loads(self.report.read_text())
         self.assertIsNone(report["deformation"])
         self.assertEqual(report["options"]["deformation"]["influence_radius"], 2)
-        for arguments in (["--histogram", "picture.png"], ["--histogram", self.report], ["--periodic", "sphere"],
-                          ["--periodic", "a,b,c"], ["--influence-radius", "0"], ["--deform-error", "2"]):
+        for arguments in (["--histogram", "picture.jpg"], ["--histogram", self.report], ["--periodic", "sphere"],
+                          ["--periodic", "a,b,c"]):
             run = recurve("curve", self.mesh, self.out, "--report", self.report, *arguments)
             self.assertEqual(run.returncode, USAGE, arguments)
+        for name, values in (("radius", ("0", "-1", "inf", "nan", "far")), ("length", ("0", "nan")),
+                             ("alpha", ("-1", "nan", "inf")), ("far", ("0", "nan", "1e300")), ("near", ("21",))):
+            for value in values:
+                option = f"--influence-{name}"
+                self.assert_refuses(USAGE, option, "expected", value, arguments=[option, value])
+        for value in ("0", "2", "nan"):
+            self.assert_refuses(USAGE, "--deform-error", "expected 1e-9 to 1", value,
+                                arguments=["--deform-error", value])
         run = recurve("curve", self.mesh, self.out, "--periodic", "sphere,nowhere")
         self.assertEqual(run.returncode, BAD_INPUT)
         self.assertIn("nowhere", run.stderr)
