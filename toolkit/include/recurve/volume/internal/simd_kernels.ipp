@@ -154,6 +154,7 @@ template <class Real>
 struct Vector_of
 {
   typedef Real type __attribute__((vector_size(width * sizeof(double)), aligned(sizeof(Real)), may_alias));
+  // NOLINTNEXTLINE(bugprone-sizeof-expression): of double itself too
   static constexpr int size = width * static_cast<int>(sizeof(double) / sizeof(Real));
 };
 
