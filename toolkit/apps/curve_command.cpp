@@ -184,9 +184,8 @@ void add_deformation_options(CLI::App& curve, Curve_arguments& given)
 {
   constexpr const char* group = "Interior";
   Deformation_options& formula = given.options.deformation;
-  curve
-    .add_flag("!--no-deform", given.options.deform,
-              "bend only cells that touch the curved surface; thin layers behind it may fold")
+  add_negation(curve, "--no-deform", given.options.deform,
+               "bend only cells that touch the curved surface; thin layers behind it may fold")
     ->group(group);
   curve
     .add_option("--periodic", given.periodic,
