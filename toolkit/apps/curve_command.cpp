@@ -252,7 +252,9 @@ Command add_curve_command(CLI::App& app)
     ->add_option("--fit-preset", given->options.fit_preset,
                  "how the surface is fitted: default, or as in the paper by Ims and Wang")
     ->transform(CLI::CheckedTransformer(
-      std::map<std::string, Fit_preset>{{"default", Fit_preset::standard}, {"paper", Fit_preset::paper}}))
+                  std::map<std::string, Fit_preset>{{"default", Fit_preset::standard}, {"paper", Fit_preset::paper}})
+                  .description(""))
+    ->type_name("default|paper")
     ->default_str("default");
   add_surface_options(*curve, given->surface, given->options);
   add_deformation_options(*curve, *given);
