@@ -94,6 +94,11 @@ class Command_line(unittest.TestCase):
                        "--threads", "--quiet"):
             self.assertIn(option, recurve("curve", "--help").stdout)
         self.assertIn("--output", recurve("features", "--help").stdout)
+        for command in ("check", "convert", "curve", "features", "formats", "info"):
+            text = recurve(command, "--help").stdout
+            self.assertIn("Usage: recurve " + command, text)
+            self.assertNotIn("{", text)  # how CLI11 writes flags with a value
+            self.assertNotIn(" :", text)
         self.assertRegex(recurve("--version").stdout, r"^recurve \d+\.\d+\.\d+\n$")
 
     # The command line itself.

@@ -257,6 +257,28 @@ inline Surface cylinder(int n, int rows, bool has_caps, Split split)
   });
 }
 
+/// a can of radius 1 with seven facets, as regular as can be at its rims but not in between: there the mesh folds its
+/// round side by 80 degrees along the line x = 1, y = 0. Features are the rims.
+inline Surface folded_can()
+{
+  Surface_builder b(Split::quads);
+  const auto angle = [](double u, double v) {
+    const int i = static_cast<int>(std::lround(7 * u));
+    const double folded[] = {0, 80, 120, 160, 200, 240, 280, 360};
+    return (v == 0 || v == 1 ? 360 * u : folded[i]) * pi / 180;
+  };
+  const auto at = [&](double u, double v, double r) {
+    return Point{r * std::cos(angle(u, v)), r * std::sin(angle(u, v)), 2 * v};
+  };
+  b.patch(7, 4, [&](double u, double v) { return at(u, v, 1); });
+  b.patch(7, 1, [&](double u, double r) { return at(u, 0, r); });
+  b.patch(1, 7, [&](double r, double u) { return at(u, 1, r); });
+  return b.take([](const Point& p, const Point& q) {
+    const auto r = [](const Point& x) { return std::hypot(x[0], x[1]); };
+    return near(p[2], q[2]) && (near(p[2], 0) || near(p[2], 2)) && near(r(p), 1) && near(r(q), 1);
+  });
+}
+
 /// a cone of base radius 1 and the height `h`, `n` sectors, four rows, with its base (a fan).
 inline Surface cone(int n, double h, Split split)
 {

@@ -212,9 +212,8 @@ void add_deformation_options(CLI::App& curve, Curve_arguments& given)
   const auto an_exponent = number_within(0.01, 20, "0.01 to 20");
   constexpr const char* group = "Interior";
   Deformation_options& formula = given.options.deformation;
-  curve
-    .add_flag("!--no-deform", given.options.deform,
-              "bend only cells that touch the curved surface; thin layers behind it may fold")
+  add_negation(curve, "--no-deform", given.options.deform,
+               "bend only cells that touch the curved surface; thin layers behind it may fold")
     ->group(group);
   curve
     .add_option("--periodic", given.periodic,
@@ -281,7 +280,9 @@ Command add_curve_command(CLI::App& app)
     ->add_option("--fit-preset", given->options.fit_preset,
                  "how the surface is fitted: default, or as in the paper by Ims and Wang")
     ->transform(CLI::CheckedTransformer(
-      std::map<std::string, Fit_preset>{{"default", Fit_preset::standard}, {"paper", Fit_preset::paper}}))
+                  std::map<std::string, Fit_preset>{{"default", Fit_preset::standard}, {"paper", Fit_preset::paper}})
+                  .description(""))
+    ->type_name("default|paper")
     ->default_str("default");
   add_surface_options(*curve, given->surface, given->options);
   add_deformation_options(*curve, *given);
