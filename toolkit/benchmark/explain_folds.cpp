@@ -214,7 +214,7 @@ private:
   static Corners opposite_of(const Cell& cell, const Corners& corners)
   {
     for (int f = 0; f < reference_element(cell.type).face_count; ++f)
-      if (const Corners other = corners_of(cell, f);
+      if (Corners other = corners_of(cell, f);
           other.size() == corners.size() &&
           std::ranges::none_of(other, [&](Index n) { return std::ranges::binary_search(corners, n); }))
         return other;
