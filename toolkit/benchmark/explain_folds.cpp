@@ -67,6 +67,8 @@ struct Wall_face
   double bulge = 0;        ///< largest displacement of a node
   double shortest_edge = infinity, largest_angle = 0;
   double first_height = infinity;
+
+  std::span<const Index> corners() const { return nodes.first(static_cast<std::size_t>(corner_count(type))); }
 };
 
 /// Where a cell is above a face of the boundary.
@@ -91,8 +93,8 @@ public:
     for (Wall_face& face : faces_)
     {
       measure(face);
-      if (face.is_folded)
-        folded_corners_.insert(face.nodes.begin(), face.nodes.begin() + corner_count(face.type));
+      if (const auto corners = face.corners(); !fault(face).empty())
+        faulty_corners_.insert(corners.begin(), corners.end());
     }
   }
 
@@ -212,7 +214,7 @@ private:
   static Corners opposite_of(const Cell& cell, const Corners& corners)
   {
     for (int f = 0; f < reference_element(cell.type).face_count; ++f)
-      if (const Corners other = corners_of(cell, f);
+      if (Corners other = corners_of(cell, f);
           other.size() == corners.size() &&
           std::ranges::none_of(other, [&](Index n) { return std::ranges::binary_search(corners, n); }))
         return other;
@@ -303,28 +305,35 @@ private:
 
   static double relative_bulge(const Wall_face& face) { return face.bulge / face.first_height; }
 
+  /// what keeps layers from following a face; empty: nothing.
+  static std::string fault(const Wall_face& face)
+  {
+    constexpr double flat_corner = 165, nearly_folded = 0.1, large_bulge = 0.5;
+    if (face.is_folded)
+      return "folded";
+    if (face.least_normal < nearly_folded)
+      return "nearly folded: a normal shrinks to less than a tenth";
+    if (face.bulge > large_bulge * face.shortest_edge)
+      return "bulges by more than half its shortest edge";
+    if (face.largest_angle > flat_corner)
+      return "has a corner of more than 165 degrees";
+    return {};
+  }
+
   std::string reason(Index cell) const
   {
-    constexpr double flat_corner = 175, nearly_folded = 0.1, large_bulge = 0.5, hardly_valid = 0.1;
+    constexpr double hardly_valid = 0.1;
     const Place& place = places_[static_cast<std::size_t>(cell)];
     if (place.face == no_index)
       return "no face of the boundary: not in a stack";
     const Wall_face& face = faces_[static_cast<std::size_t>(place.face)];
-    const std::string patch = face.patch + ": ";
-    if (face.is_folded)
-      return patch + "folded face";
-    if (face.largest_angle > flat_corner)
-      return patch + "face with a corner of more than 175 degrees";
-    if (face.least_normal < nearly_folded)
-      return patch + "nearly folded face (a normal shrinks to less than a tenth)";
-    if (std::ranges::any_of(face.nodes.first(static_cast<std::size_t>(corner_count(face.type))),
-                            [&](Index n) { return folded_corners_.count(n) > 0; }))
-      return patch + "sound face next to a folded one";
-    if (face.bulge > large_bulge * face.shortest_edge)
-      return patch + "face that bulges by more than half its shortest edge";
+    if (const std::string own = fault(face); !own.empty())
+      return face.patch + ": " + own;
+    if (std::ranges::any_of(face.corners(), [&](Index n) { return faulty_corners_.count(n) > 0; }))
+      return face.patch + ": next to such a face";
     if (scaled(straight_, cells_[static_cast<std::size_t>(cell)]) < hardly_valid)
-      return patch + "cell with a scaled Jacobian below 0.1 when straight";
-    return patch + "sound face";
+      return face.patch + ": no fault, but the straight cell has a scaled Jacobian below 0.1";
+    return face.patch + ": no fault";
   }
 
   void list(std::size_t listed) const
@@ -352,7 +361,7 @@ private:
   std::map<Corners, std::vector<Index>> neighbours_; ///< cells by the corners of their faces
   std::vector<Wall_face> faces_;
   std::vector<Place> places_;      ///< per cell
-  std::set<Index> folded_corners_; ///< of folded faces
+  std::set<Index> faulty_corners_; ///< of faces with a fault
   std::vector<Index> folds_;
 };
 

@@ -98,6 +98,13 @@ private:
     std::vector<Index> candidates; ///< source cells that may be expanded at each target
   };
 
+  /// What a source cell costs at each target of a group, in directly summed pairs.
+  struct Price
+  {
+    double per_target;
+    bool is_expanded; ///< else summed
+  };
+
   /// One cell of targets, as its parent hands it down.
   struct Task
   {
@@ -147,7 +154,9 @@ private:
 
   std::vector<Index> sort_candidates(Task& task, Scratch& scratch) const;
   void split_near(Task& task, Scratch& scratch) const;
+  Price price_for_groups(const Node& target, Index source, Account account) const;
   void sort_leaf_candidates(Task& task, Scratch& scratch) const;
+  void sort_pending(double lanes_filled, Task& task, Scratch& scratch) const;
 
   Sums prepare_leaf(const Node& target, Scratch& scratch) const;
   void prepare_groups(const Node& target, const Sums& sums, Scratch& scratch) const;
@@ -318,13 +327,29 @@ void Fast_sum<I>::split_near(Task& task, Scratch& scratch) const
   task.candidates = std::move(others);
 }
 
+/// what a source cell would cost the groups of a leaf.
+template <class I>
+typename Fast_sum<I>::Price Fast_sum<I>::price_for_groups(const Node& target, Index source, Account account) const
+{
+  const Price direct = {static_cast<double>(sources_.tree().node(source).size()), false};
+  Offer offer;
+  if (!budget_.make_offer_at_targets(target, source, offer))
+    return direct;
+  const int degree = budget_.accept(offer, budget_.share(offer, account), account);
+  if (degree < 0)
+    return direct;
+  const Price expanded = {static_cast<double>(cost_at_target[static_cast<std::size_t>(degree)]), true};
+  return expanded.per_target < direct.per_target ? expanded : direct;
+}
+
 /// decides for the other candidates of a leaf whether they are expanded about its center, or left to its groups.
 template <class I>
 void Fast_sum<I>::sort_leaf_candidates(Task& task, Scratch& scratch) const
 {
   const Node& target = targets_.node(task.node);
   const Point_tree& tree = sources_.tree();
-  const auto lanes_filled = static_cast<double>(scratch.coordinates.size() / 6); // a part of a vector costs a whole one
+  const std::size_t padded = scratch.coordinates.size() / 6;
+  const auto lanes_filled = static_cast<double>(padded); // a part of a vector costs a whole one
   scratch.expanded.clear();
   scratch.rejected.clear();
   scratch.pending.clear();
@@ -334,42 +359,37 @@ void Fast_sum<I>::sort_leaf_candidates(Task& task, Scratch& scratch) const
   {
     const Index s = scratch.stack.back();
     scratch.stack.pop_back();
-    // What the groups would do with it.
-    double other_cost = lanes_filled * static_cast<double>(tree.node(s).size());
-    bool is_for_groups = false;
-    if (budget_.make_offer_at_targets(target, s, offer))
-    {
-      Account account = task.account;
-      const int degree = budget_.accept(offer, budget_.share(offer, account), account);
-      if (degree >= 0 && lanes_filled * cost_at_target[static_cast<std::size_t>(degree)] < other_cost)
-      {
-        other_cost = lanes_filled * cost_at_target[static_cast<std::size_t>(degree)];
-        is_for_groups = true;
-      }
-    }
+    const Price other = price_for_groups(target, s, task.account);
     Account account = task.account;
     const bool is_offered = budget_.make_offer(target, s, offer);
     const int degree = is_offered ? budget_.accept(offer, budget_.share(offer, account), account) : -1;
-    if (degree >= 0 && translation_cost[static_cast<std::size_t>(degree)] < other_cost)
+    if (degree >= 0 && translation_cost[static_cast<std::size_t>(degree)] < lanes_filled * other.per_target)
     {
       task.account = account;
       scratch.expanded.push_back({s, degree});
     }
-    else if (is_for_groups || (!is_offered && tree.is_leaf(s)))
+    else if (other.is_expanded || (!is_offered && tree.is_leaf(s)))
       scratch.rejected.push_back(s);
     else if (tree.is_leaf(s))
       scratch.pending.push_back(offer);
     else
       scratch.stack.insert(scratch.stack.end(), {2 * s + 2, 2 * s + 1});
   }
+  sort_pending(lanes_filled, task, scratch);
+}
 
-  // Most of what is left of the budget goes to the cells that need least of it, the rest to the groups.
-  constexpr double part_of_center = 0.7;
+/// expands those of the pending cells that need least of what is left of the budget.
+template <class I>
+void Fast_sum<I>::sort_pending(double lanes_filled, Task& task, Scratch& scratch) const
+{
+  // of the whole budget; the rest is for the groups
+  constexpr double largest_part = 0.7;
+
   std::ranges::stable_sort(scratch.pending, {}, &Offer::error);
   const double cost = translation_cost[static_cast<std::size_t>(sources_.degree())];
   for (const Offer& o : scratch.pending)
-    if (lanes_filled * static_cast<double>(tree.node(o.node).size()) > cost &&
-        budget_.accept(o, o.error, task.account, part_of_center) >= 0)
+    if (lanes_filled * static_cast<double>(sources_.tree().node(o.node).size()) > cost &&
+        budget_.accept(o, o.error, task.account, largest_part) >= 0)
       scratch.expanded.push_back({o.node, sources_.degree()});
     else
       scratch.rejected.push_back(o.node);
