@@ -38,7 +38,8 @@ public:
     blocks_.resize(first_slot_.back());
   }
 
-  const Point& displacement(std::size_t movable) const { return displacements_[movable]; }
+  const std::vector<Point>& displacements() const { return displacements_; }
+  void displace(std::vector<Point> displacements) { displacements_ = std::move(displacements); }
 
   /// the smallest det F at any point.
   double least_determinant()

@@ -160,7 +160,7 @@ private:
         return levels_.current(node);
       Point p = levels_.straight(node);
       for (std::size_t d = 0; d < 3; ++d)
-        p[d] += repair.displacement(number)[d];
+        p[d] += repair.displacements()[number][d];
       return p;
     };
     // Those that fail come first, so that a negative answer comes soon.
@@ -219,7 +219,13 @@ private:
       const double negative = share * std::min(least, 0.0);
       const double reached = repair.minimise(std::sqrt(smallest * smallest + negative * negative), steps);
       if (reached > 0 && is_done())
+      {
+        // They may be valid by a hair: the objective as it is meant carries them further from the edge.
+        const std::vector<Point> valid = repair.displacements();
+        if (!(repair.minimise(smallest, steps) >= reached && is_done()))
+          repair.displace(valid);
         return true;
+      }
       idle = reached > least + 0.02 * std::abs(least) ? 0 : idle + 1;
       least = reached;
     }

@@ -20,7 +20,9 @@
 #include <cstddef>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <span>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -278,19 +280,23 @@ private:
 
   /// scales the displacements around failing cells, smoothly over the size of the cells along their longest edges, so
   /// that all layers of a thin stack keep the same share. What fails again is scaled more, by the steps of the ladder;
-  /// after the last of them the cell is straight.
+  /// after the last of them the cell is straight. Of failing cells that share nodes the smallest come first: a large
+  /// one may fail because of a small neighbour, and would take much more of the surface with it.
   void fade(std::vector<Block_element> failing)
   {
     std::map<Block_element, std::size_t> steps;
     while (!failing.empty())
     {
       ++report_.rounds;
-      std::vector<Fade_ball> balls;
-      for (const Block_element cell : failing)
-        if (std::size_t& step = steps[cell]; step < straight_level)
-          balls.push_back(ball_around(cell, curving_factors[++step]));
-      if (balls.empty())
+      std::erase_if(failing, [&](Block_element cell) { return steps[cell] == straight_level; });
+      if (failing.empty())
         return;
+      std::vector<Fade_ball> balls;
+      for (const auto& [cell, ball] : smallest_of_clusters(failing))
+      {
+        balls.push_back(ball);
+        balls.back().factor = curving_factors[++steps[cell]];
+      }
       const Fade_balls all(balls);
       const auto count = static_cast<Index>(levels_.levels().size());
       std::vector<double> shares(static_cast<std::size_t>(count), 1);
@@ -307,12 +313,41 @@ private:
     }
   }
 
+  /// of the cells that are linked by shared nodes, those not much larger than the smallest, and balls around them.
+  std::vector<std::pair<Block_element, Fade_ball>> smallest_of_clusters(std::span<const Block_element> cells) const
+  {
+    constexpr double not_much = 2;
+    std::vector<Fade_ball> balls;
+    std::vector<std::size_t> parent(cells.size());
+    std::iota(parent.begin(), parent.end(), std::size_t(0));
+    const auto root = [&](std::size_t c) {
+      while (parent[c] != c)
+        c = parent[c] = parent[parent[c]];
+      return c;
+    };
+    std::unordered_map<Index, std::size_t> cell_of_node;
+    for (std::size_t c = 0; c < cells.size(); ++c)
+    {
+      balls.push_back(ball_around(cells[c]));
+      for (const Index node : cells_.nodes(cells[c]))
+        if (const auto [found, is_new] = cell_of_node.try_emplace(node, c); !is_new)
+          parent[root(c)] = root(found->second);
+    }
+    std::vector<double> smallest(cells.size(), std::numeric_limits<double>::infinity());
+    for (std::size_t c = 0; c < cells.size(); ++c)
+      smallest[root(c)] = std::min(smallest[root(c)], balls[c].radius);
+    std::vector<std::pair<Block_element, Fade_ball>> result;
+    for (std::size_t c = 0; c < cells.size(); ++c)
+      if (balls[c].radius <= not_much * smallest[root(c)])
+        result.emplace_back(cells[c], balls[c]);
+    return result;
+  }
+
   /// about the middle of the corners, with room for all of them and a little more, for rounding.
-  Fade_ball ball_around(Block_element cell, double factor) const
+  Fade_ball ball_around(Block_element cell) const
   {
     const auto corners = cells_.nodes(cell).first(static_cast<std::size_t>(corner_count(cells_.type(cell))));
     Fade_ball ball;
-    ball.factor = factor;
     Point least = levels_.straight(corners[0]), largest = least;
     for (const Index node : corners)
     {
