@@ -16,11 +16,10 @@ namespace recurve::internal::features {
 /// How a candidate curve stands at one end.
 enum class End_type : std::uint8_t
 {
-  none,      ///< the curve goes on
-  dangling,  ///< the only candidate at its vertex
-  doubtful,  ///< at a turn or a junction that it does not support itself
-  supported, ///< at a corner or a junction that it has a right to, or sharp at a border
-  border     ///< at a border that it meets as the ridge there
+  none,     ///< the curve goes on
+  dangling, ///< the only candidate at its vertex
+  doubtful, ///< at a turn or a junction that it does not support itself
+  supported ///< at a corner or a junction that it has a right to, or at a border that it meets as the ridge or sharp
 };
 
 /// Assembles the candidate edges into curves and rejects unlikely ones, until none is rejected any more. All curves of
@@ -139,10 +138,10 @@ private:
 
   End_type single_end_type(Index v, Index h) const
   {
-    if (is_sharp(h) && (c_.is_sharp_corner[v] || (options_.border_ends && a_.is_pinned_vertex[v])))
-      return End_type::supported;
-    const bool is_border_end = options_.border_ends && a_.is_pinned_vertex[v] && has(h, largest_dihedral | along_ridge);
-    return is_border_end ? End_type::border : End_type::dangling;
+    const bool is_at_border = options_.border_ends && a_.is_pinned_vertex[v];
+    const bool is_supported =
+      is_sharp(h) ? c_.is_sharp_corner[v] || is_at_border : is_at_border && has(h, largest_dihedral | along_ridge);
+    return is_supported ? End_type::supported : End_type::dangling;
   }
 
   End_type junction_end_type(Index v, Index h) const
@@ -220,7 +219,9 @@ private:
     for (; s_.target[g] != v; ++edges)
     {
       const Index following = straightest(g);
-      if (following == no_index || !is_sharp(following) || edges == most_rim_edges)
+      const bool is_clear =
+        following != no_index && straightest(following ^ 1) == (g ^ 1); // also in the other direction
+      if (!is_clear || !is_sharp(following) || edges == most_rim_edges)
         return false;
       round_vertices += number_of_sharp_edges(g) == 2 && turning(g ^ 1, following) >= alike * here;
       g = following;
@@ -228,13 +229,23 @@ private:
     return (g ^ 1) == rim[1] && 2 * round_vertices > edges;
   }
 
-  /// the kept half-edge out of the target of `h` that turns least, or no_index.
+  /// the kept half-edge out of the target of `h` that turns least, or no_index if there is none or it is not the only
+  /// one.
   Index straightest(Index h) const
   {
     Index best = no_index;
+    double least = 180 + 2 * angle_tie;
     for (const Index g : (*out_)[s_.target[h]])
-      if (g != (h ^ 1) && (best == no_index || turning(h ^ 1, g) < turning(h ^ 1, best)))
+    {
+      if (g == (h ^ 1))
+        continue;
+      const double turn = turning(h ^ 1, g);
+      if (turn < least - angle_tie)
         best = g;
+      else if (turn <= least + angle_tie)
+        best = no_index;
+      least = std::min(least, turn);
+    }
     return best;
   }
 
@@ -430,7 +441,8 @@ private:
     return strong_edges == 0 && is_spanning ? std::optional(Rejection::overshadowed) : std::nullopt;
   }
 
-  /// A curve of an edge or two must stand out by so many times as much: single edges of a noisy surface do by chance.
+  /// A curve of an edge or two must stand out by so many times as much as a longer one, and at least by so much where
+  /// it is all that there is: single edges of a noisy surface do by chance.
   static constexpr double flat_contrast = 5;
 
   /// whether `curve` bends so much more than the surface beside it that it is kept, whatever its ends. A short one must
