@@ -76,7 +76,8 @@ Index moved_among(const Conversion_result& result, const std::set<Index>& nodes)
 
 void check_corners_and_marks(const Conversion_result& result)
 {
-  const auto& [straight, curved, report] = result;
+  const Curved_mesh &straight = result.straight, &curved = result.curved;
+  const Curving_report& report = result.report;
   REQUIRE(straight.nodes.size() == curved.nodes.size());
   Index wrongly_marked = 0, straight_cells = 0, moved_corners = 0;
   for (const Curved_zone& zone : curved.zones)
@@ -113,7 +114,8 @@ TEST_CASE(
   const auto result = convert("blade/ls89_vki_blade_hex.cgns", options);
   if (!result)
     return;
-  const auto& [straight, curved, report] = *result;
+  const Curved_mesh &straight = result->straight, &curved = result->curved;
+  const Curving_report& report = result->report;
   check_corners_and_marks(*result);
 
   for (const char* patch : {"zmin", "zmax"})
@@ -173,7 +175,8 @@ TEST_CASE("a bend in two zones: what was one position on both sides of the inter
   const auto result = convert("multizone/su2_bend_2zone_mixed.cgns", {.degree = degree});
   if (!result)
     return;
-  const auto& [straight, curved, report] = *result;
+  const Curved_mesh &straight = result->straight, &curved = result->curved;
+  const Curving_report& report = result->report;
   check_corners_and_marks(*result);
   // The zones share the nodes of the interface: whatever coincided, coincides.
   std::map<Point, Point> image;

@@ -438,6 +438,10 @@ TEST_CASE("deform_interior: takes any range of points", "[volume]")
   std::vector<Kernel::Point_3> cgal_sources, cgal_targets;
   std::vector<Kernel::Vector_3> cgal_given;
   std::vector<Eigen::Vector3d> eigen_targets;
+  cgal_sources.reserve(sources.size());
+  cgal_given.reserve(given.size());
+  cgal_targets.reserve(targets.size());
+  eigen_targets.reserve(targets.size());
   for (const Point& p : sources)
     cgal_sources.emplace_back(p[0], p[1], p[2]);
   for (const Point& p : given)

@@ -84,9 +84,10 @@ int main(int, char** argv)
   char** argument = argv + 1;
   const std::vector<int> degrees = next_group(argument, {2, 3, 4}), arounds = next_group(argument, {8, 16, 32, 64}),
                          chosen = next_group(argument, {0, 1, 2, 3});
-  std::printf("| family | around | first cell / radius | p | cells | inverted, surface curved | inverted, deformed |"
-              " least scaled, straight | least, deformed | exactly straight | reduced | area at full curvature % |"
-              " least, certified | verdict | s |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+  std::printf(
+    "| family | around | first cell / radius | p | cells | inverted, surface curved | inverted, deformed |"
+    " least scaled, straight | least, deformed | exactly straight | reduced | area at full curvature, percent |"
+    " least, certified | verdict | s |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   constexpr std::array families = {
     Layer_family{"sphere, hexahedra", true, false}, Layer_family{"sphere, prisms", true, true},
     Layer_family{"cylinder, hexahedra", false, false}, Layer_family{"cylinder, prisms", false, true}};
