@@ -203,29 +203,40 @@ class Convert(unittest.TestCase):
             self.assertEqual(target.read_text(), "old")
             self.assertEqual(self.files(), ["out.msh"])
 
-    def test_killed_in_the_middle_of_writing(self):
-        """not even a signal that no program can catch makes the target a half file"""
+    def end_while_writing(self, number, content):
+        """sends a signal as soon as something is written; the status, the messages and the unfinished files"""
         target = self.folder / "out.msh"
-        killed = {"old": 0, None: 0}
-        for content in list(killed) * 20:  # in some it may be done before it is killed
-            if killed[content] > 0:
-                continue
+        for _ in range(20):  # in some it may be done before the signal comes
             target.unlink(missing_ok=True)
             if content is not None:
                 target.write_text(content)
             process = subprocess.Popen([RECURVE, "convert", str(self.samples / "large.cgns"), str(target), "--ascii",
-                                        "-q"])
+                                        "-q"], stderr=subprocess.PIPE, text=True)
             while process.poll() is None and not any(part.stat().st_size > 0 for part in self.folder.glob(".*.part")):
                 pass
-            process.kill()
-            if process.wait(timeout=60) == DONE:
+            process.send_signal(number)
+            _, messages = process.communicate(timeout=60)
+            if process.returncode == DONE:
                 continue
-            killed[content] += 1
             self.assertEqual(target.read_text() if target.exists() else None, content)
-            for part in self.folder.glob(".*.part"):
+            parts = list(self.folder.glob(".*.part"))
+            self.assertEqual(len(list(self.folder.iterdir())), len(parts) + (content is not None))
+            return process.returncode, messages, parts
+        self.fail("the signal always came too late")
+
+    def test_killed_in_the_middle_of_writing(self):
+        """not even a signal that no program can catch makes the target a half file"""
+        for content in ("old", None):
+            status, _, parts = self.end_while_writing(signal.SIGKILL, content)
+            self.assertEqual(status, -signal.SIGKILL)
+            for part in parts:
                 part.unlink()
-            self.assertEqual(self.files(), ["out.msh"] if content else [])
-        self.assertEqual(killed, {"old": 1, None: 1})
+
+    def test_a_crash_leaves_no_half_file(self):
+        for content in ("old", None):
+            status, messages, parts = self.end_while_writing(signal.SIGSEGV, content)
+            self.assertEqual((status, parts), (-signal.SIGSEGV, []))
+            self.assertEqual(messages, "recurve: crashed; a damaged input can be the cause, else please report it\n")
 
     def test_output_does_not_depend_on_the_number_of_threads(self):
         digests = set()

@@ -165,7 +165,8 @@ void run(const fs::path& folder, Index cells, int degree, const std::string& onl
       continue;
     start = now();
     const Curved_mesh back = read_curved_mesh(file);
-    tell("read " + format.name, now() - start, file, copy_time(file, copy));
+    const double read_seconds = now() - start;
+    tell("read " + format.name, read_seconds, file, copy_time(file, copy));
     fs::remove(file);
   }
   fs::remove(input);
