@@ -44,7 +44,8 @@ struct Estimated_bend
   {
     constexpr double part = 0.3;
     constexpr double part_of_short_edge = 0.05;
-    const double of_bend = part * 0.125 * curvature * edge_length * longest_edge;
+    constexpr double largest_turn = 1; // radians; a round tip may bend a short edge so much that a long one would coil
+    const double of_bend = part * 0.125 * std::min(curvature * longest_edge, largest_turn) * edge_length;
     return is_short(edge_length) ? std::max(of_bend, part_of_short_edge * edge_length) : of_bend;
   }
 };
