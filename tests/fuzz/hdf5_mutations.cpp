@@ -138,7 +138,7 @@ void mutate(const std::filesystem::path& path, Generator& generator)
     H5Fclose(file);
     return;
   }
-  const std::string name = names[below(generator, names.size())], link = links[below(generator, links.size())];
+  const std::string &name = names[below(generator, names.size())], &link = links[below(generator, links.size())];
   switch (below(generator, 8))
   {
   case 0: replace_array(file, name, generator); break;
