@@ -146,6 +146,7 @@ private:
   std::vector<Cell_verdict> described(const std::vector<Block_element>& list) const
   {
     std::vector<Index> numbers;
+    numbers.reserve(list.size());
     for (const Block_element& cell : list)
       numbers.push_back(cells_.number(cell.block, cell.element));
     return describe_cells(mesh_, result_.bounds, numbers);

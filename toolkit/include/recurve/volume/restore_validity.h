@@ -73,6 +73,8 @@ Restoration_report restore_validity(Points&& nodes, const Straight& straight, co
                                     const Visit& visit = {})
 {
   std::vector<Element_block> views;
+  if constexpr (std::ranges::sized_range<const Blocks>)
+    views.reserve(std::ranges::size(blocks));
   for (const auto& block : blocks)
     views.push_back({block.type, std::span<const Index>(block.nodes)});
   internal::check_restoration(views, degree, std::ranges::size(nodes), std::ranges::size(straight), about.roles.size(),

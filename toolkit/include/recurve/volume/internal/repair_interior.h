@@ -165,8 +165,8 @@ private:
     };
     // Those that fail come first, so that a negative answer comes soon.
     Component failing_first = component;
-    std::ranges::stable_partition(failing_first,
-                                  [this](Block_element c) { return cells_.has(Restoration_cells::failing, c); });
+    std::stable_partition(failing_first.begin(), failing_first.end(),
+                          [this](Block_element c) { return cells_.has(Restoration_cells::failing, c); });
     const auto all_valid = [&] {
       return std::ranges::all_of(failing_first, [&](auto c) { return is_valid_(c, moved); });
     };

@@ -190,7 +190,9 @@ private:
   {
     if (options_.repair_layers == 0 || failing.empty())
       return failing;
-    const auto is_valid_at = [this](Block_element cell, const auto& position) { return is_valid(cell, position); };
+    const auto is_valid_at = [this](Block_element cell, const auto& position) {
+      return this->is_valid(cell, position);
+    };
     Interior_repair(cells_, levels_, roles_, options_, is_valid_at).run(failing);
     report_.repaired_nodes += levels_.change_count();
     certify_changes();
