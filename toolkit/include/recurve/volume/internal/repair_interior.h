@@ -13,7 +13,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <numeric>
 #include <span>
 #include <unordered_map>
 #include <utility>
@@ -98,22 +97,10 @@ private:
   /// does not depend on that of the cells.
   std::vector<Component> find_components() const
   {
-    std::vector<std::size_t> parent(region_.size());
-    std::iota(parent.begin(), parent.end(), std::size_t(0));
-    const auto root = [&](std::size_t c) {
-      while (parent[c] != c)
-        c = parent[c] = parent[parent[c]];
-      return c;
-    };
-    std::unordered_map<Index, std::size_t> cell_of_node;
-    for (std::size_t c = 0; c < region_.size(); ++c)
-      for (const Index node : cells_.nodes(region_[c]))
-        if (may_move(node))
-          if (const auto [found, is_new] = cell_of_node.try_emplace(node, c); !is_new)
-            parent[root(c)] = root(found->second);
+    const std::vector<std::size_t> cluster = cells_.clusters(region_, [this](Index node) { return may_move(node); });
     std::vector<Component> all(region_.size());
     for (std::size_t c = 0; c < region_.size(); ++c)
-      all[root(c)].push_back(region_[c]);
+      all[cluster[c]].push_back(region_[c]);
     std::erase_if(all, [this](const Component& cells) {
       return std::ranges::none_of(cells, [this](Block_element c) { return cells_.has(Restoration_cells::failing, c); });
     });

@@ -20,9 +20,7 @@
 #include <cstddef>
 #include <limits>
 #include <map>
-#include <numeric>
 #include <span>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -319,28 +317,17 @@ private:
   std::vector<std::pair<Block_element, Fade_ball>> smallest_of_clusters(std::span<const Block_element> cells) const
   {
     constexpr double not_much = 2;
+    const std::vector<std::size_t> cluster = cells_.clusters(cells, [](Index) { return true; });
     std::vector<Fade_ball> balls;
-    std::vector<std::size_t> parent(cells.size());
-    std::iota(parent.begin(), parent.end(), std::size_t(0));
-    const auto root = [&](std::size_t c) {
-      while (parent[c] != c)
-        c = parent[c] = parent[parent[c]];
-      return c;
-    };
-    std::unordered_map<Index, std::size_t> cell_of_node;
-    for (std::size_t c = 0; c < cells.size(); ++c)
-    {
-      balls.push_back(ball_around(cells[c]));
-      for (const Index node : cells_.nodes(cells[c]))
-        if (const auto [found, is_new] = cell_of_node.try_emplace(node, c); !is_new)
-          parent[root(c)] = root(found->second);
-    }
+    balls.reserve(cells.size());
+    for (const Block_element cell : cells)
+      balls.push_back(ball_around(cell));
     std::vector<double> smallest(cells.size(), std::numeric_limits<double>::infinity());
     for (std::size_t c = 0; c < cells.size(); ++c)
-      smallest[root(c)] = std::min(smallest[root(c)], balls[c].radius);
+      smallest[cluster[c]] = std::min(smallest[cluster[c]], balls[c].radius);
     std::vector<std::pair<Block_element, Fade_ball>> result;
     for (std::size_t c = 0; c < cells.size(); ++c)
-      if (balls[c].radius <= not_much * smallest[root(c)])
+      if (balls[c].radius <= not_much * smallest[cluster[c]])
         result.emplace_back(cells[c], balls[c]);
     return result;
   }
