@@ -17,6 +17,7 @@ recurve_find_package(nlohmann_json 3.11)
 recurve_find_package(tomlplusplus 3.3)
 recurve_find_package(CGNS 3.4)
 recurve_find_package(HDF5Serial)
+recurve_find_package(Cairo)
 
 # What else programs, generators and tests need.
 if(RECURVE_BUILD_APPS)

@@ -11,7 +11,7 @@
 set -eu
 
 build="g++ cmake ninja-build ccache libcgal-dev libeigen3-dev libboost-dev libtbb-dev libcgns-dev libhdf5-dev
-       libcli11-dev nlohmann-json3-dev libfmt-dev libtomlplusplus-dev"
+       libcli11-dev nlohmann-json3-dev libfmt-dev libtomlplusplus-dev libcairo2-dev"
 pictures="python3 python3-numpy python3-h5py python3-matplotlib"
 test="python3 python3-numpy python3-h5py python3-matplotlib python3-vtk9 python3-gmsh catch2 libopenmesh-dev libtet1.5-dev cgns-convert
       clang-format"

@@ -10,6 +10,6 @@ configure_package_config_file(
 write_basic_package_version_file("${PROJECT_BINARY_DIR}/recurveConfigVersion.cmake" COMPATIBILITY SameMinorVersion)
 install(FILES "${PROJECT_BINARY_DIR}/recurveConfig.cmake" "${PROJECT_BINARY_DIR}/recurveConfigVersion.cmake"
               "${PROJECT_SOURCE_DIR}/cmake/dependencies.cmake" "${PROJECT_SOURCE_DIR}/cmake/FindCGNS.cmake"
-              "${PROJECT_SOURCE_DIR}/cmake/FindHDF5Serial.cmake"
+              "${PROJECT_SOURCE_DIR}/cmake/FindCairo.cmake" "${PROJECT_SOURCE_DIR}/cmake/FindHDF5Serial.cmake"
         DESTINATION "${recurve_package_dir}")
 install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}")

@@ -17,6 +17,8 @@ from pathlib import Path
 
 import h5py
 import numpy
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkIOImage import vtkPNGReader
 
 RECURVE, WRITE_SAMPLES, FOLDER = None, None, None
 
@@ -34,6 +36,16 @@ SWITCHES = {"--no-border-ends": ("border_ends", False), "--no-reject-smooth": ("
 
 def recurve(*arguments, **options):
     return subprocess.run([RECURVE, *map(str, arguments)], capture_output=True, text=True, timeout=300, **options)
+
+
+def read_png(path):
+    """rows from the top of pixels of red, green and blue, as VTK reads them."""
+    reader = vtkPNGReader()
+    reader.SetFileName(str(path))
+    reader.Update()
+    width, height, _ = reader.GetOutput().GetDimensions()
+    pixels = vtk_to_numpy(reader.GetOutput().GetPointData().GetScalars())
+    return pixels.reshape(height, width, -1)[::-1]
 
 
 class Command_line(unittest.TestCase):
@@ -82,6 +94,11 @@ class Command_line(unittest.TestCase):
                        "--threads", "--quiet"):
             self.assertIn(option, recurve("curve", "--help").stdout)
         self.assertIn("--output", recurve("features", "--help").stdout)
+        for command in ("check", "convert", "curve", "features", "formats", "info"):
+            text = recurve(command, "--help").stdout
+            self.assertIn("Usage: recurve " + command, text)
+            self.assertNotIn("{", text)  # how CLI11 writes flags with a value
+            self.assertNotIn(" :", text)
         self.assertRegex(recurve("--version").stdout, r"^recurve \d+\.\d+\.\d+\n$")
 
     # The command line itself.
@@ -125,7 +142,17 @@ class Command_line(unittest.TestCase):
         self.assertEqual(summary["cells_by_type"], {"tetrahedron": 0, "pyramid": 0, "prism": 0, "hexahedron": 192})
         self.assertEqual([(p["name"], p["quadrangles"], p["place"]) for p in summary["patches"]],
                          [("sphere", 96, "boundary"), ("outer", 96, "boundary")])
+        self.assertEqual((summary["degree"], summary["nodes"], summary["straight_cells"]), (1, 294, 192))
         self.assertEqual(self.files(), ["shell.cgns"])
+
+    def test_info_on_a_curved_mesh(self):
+        recurve("curve", self.mesh, self.out, "-p", "3")
+        run = recurve("info", self.out)
+        self.assertEqual((run.returncode, run.stderr), (DONE, ""))
+        nodes = 96 * 9 * 7 + 2 * 7  # 96 faces of 3 x 3 nodes around and 2 more, in 2 layers of 3 nodes and 1 more
+        self.assertIn(f"of degree 3: {nodes:,} nodes", run.stdout)
+        summary = json.loads(recurve("info", self.out, "--json").stdout)
+        self.assertEqual((summary["degree"], summary["nodes"], summary["cells"]), (3, nodes, 192))
 
     def test_check(self):
         run = recurve("check", self.mesh)
@@ -158,6 +185,9 @@ class Command_line(unittest.TestCase):
         self.assert_fails(recurve("check", self.folder / "none.cgns"), BAD_INPUT, "none.cgns")
         self.assert_fails(recurve("check"), USAGE, "FILE")
         self.assert_fails(recurve("check", self.mesh, "--vtu", "a.txt"), USAGE, "a.txt")
+        empty = self.folder / "empty.msh"
+        empty.write_text("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n1\n1 0 0 0\n$EndNodes\n$Elements\n0\n$EndElements\n")
+        self.assert_fails(recurve("check", empty), BAD_INPUT, "no cells")
 
     def test_curve(self):
         before = self.mesh.read_bytes()
@@ -196,16 +226,35 @@ class Command_line(unittest.TestCase):
         self.assertGreater(report["deformation"]["moved_nodes"], 0)
         self.assertTrue(picture.read_text().startswith("<svg"))
         self.assertIn("0 cells inverted", run.stdout)
+        picture = picture.with_suffix(".png")
+        run = recurve("curve", self.mesh, self.out, "--histogram", picture)
+        self.assertEqual(run.returncode, DONE, run.stderr)
+        pixels = read_png(picture)
+        self.assertEqual(pixels.shape, (420, 900, 3))
+        for stage, color in zip(report["jacobians"], ((176, 176, 176), (217, 95, 2), (27, 108, 168), (117, 112, 179))):
+            # Along a row that all bars reach, they are the stretches of the stage's colour.
+            is_bar = (pixels[420 - 63] == color).all(axis=1)
+            bars = numpy.count_nonzero(numpy.diff(is_bar.astype(int)) == 1)
+            counts = [stage["inverted"] + stage["wrong_before"], *stage["histogram"]]
+            self.assertEqual(bars, numpy.count_nonzero(counts), stage["stage"])
         run = recurve("curve", self.mesh, self.out, "--report", self.report, "--no-deform", "--area-weights",
                       "--influence-radius", "2", "--deform-error", "1e-3")
         self.assertEqual(run.returncode, DONE, run.stderr)
         report = json.loads(self.report.read_text())
         self.assertIsNone(report["deformation"])
         self.assertEqual(report["options"]["deformation"]["influence_radius"], 2)
-        for arguments in (["--histogram", "picture.png"], ["--histogram", self.report], ["--periodic", "sphere"],
-                          ["--periodic", "a,b,c"], ["--influence-radius", "0"], ["--deform-error", "2"]):
+        for arguments in (["--histogram", "picture.jpg"], ["--histogram", self.report], ["--periodic", "sphere"],
+                          ["--periodic", "a,b,c"]):
             run = recurve("curve", self.mesh, self.out, "--report", self.report, *arguments)
             self.assertEqual(run.returncode, USAGE, arguments)
+        for name, values in (("radius", ("0", "-1", "inf", "nan", "far")), ("length", ("0", "nan")),
+                             ("alpha", ("-1", "nan", "inf")), ("far", ("0", "nan", "1e300")), ("near", ("21",))):
+            for value in values:
+                option = f"--influence-{name}"
+                self.assert_refuses(USAGE, option, "expected", value, arguments=[option, value])
+        for value in ("0", "2", "nan"):
+            self.assert_refuses(USAGE, "--deform-error", "expected 1e-9 to 1", value,
+                                arguments=["--deform-error", value])
         run = recurve("curve", self.mesh, self.out, "--periodic", "sphere,nowhere")
         self.assertEqual(run.returncode, BAD_INPUT)
         self.assertIn("nowhere", run.stderr)

@@ -4,6 +4,7 @@ left on the disk.
 
 usage: convert_test.py RECURVE WRITE_SAMPLE_MESHES FOLDER
 """
+import ctypes
 import hashlib
 import os
 import resource
@@ -20,6 +21,12 @@ import numpy
 
 RECURVE, WRITE_SAMPLES, FOLDER = None, None, None
 DONE, USAGE, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+
+
+def give_up_root():
+    """lets permissions count for root too: the next program cannot pass over them (PR_CAPBSET_DROP, CAP_DAC_OVERRIDE)"""
+    if os.geteuid() == 0 and ctypes.CDLL(None, use_errno=True).prctl(24, 1, 0, 0, 0) != 0:
+        raise OSError(ctypes.get_errno(), "prctl")
 
 
 def recurve(*arguments, **options):
@@ -139,8 +146,14 @@ class Convert(unittest.TestCase):
         self.assertIn("degree 3", run.stderr)
         self.assertEqual(self.files(), [])
 
-    def test_full_disk_and_read_only_folder_keep_the_old_file(self):
-        for target in ("out.msh", "out.cgns", "out.vtu"):
+    def test_curving_says_what_the_output_does_not_hold(self):
+        run = recurve("curve", self.linear, self.folder / "out.msh")
+        self.assertEqual(run.returncode, DONE, run.stderr)
+        self.assertEqual(run.stderr, f"recurve: {self.folder / 'out.msh'}: MSH does not hold, and this mesh has: "
+                                     "kinds of boundary conditions\n")
+
+    def test_full_disk_keeps_the_old_file(self):
+        for target in ("out.msh", "out.cgns", "out.vtu", "out.h5"):
             (self.folder / target).write_text("old")
             run = recurve("convert", self.curved, self.folder / target,
                           preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000)))
@@ -148,12 +161,32 @@ class Convert(unittest.TestCase):
             self.assertIn(target, run.stderr)
             self.assertNotIn(".part", run.stderr)
             self.assertEqual((self.folder / target).read_text(), "old")
-        self.assertEqual(self.files(), ["out.cgns", "out.msh", "out.vtu"])
-        if os.geteuid() != 0:  # root writes everywhere
-            self.folder.chmod(0o555)
-            run = recurve("convert", self.curved, self.folder / "new.msh")
+        self.assertEqual(self.files(), ["out.cgns", "out.h5", "out.msh", "out.vtu"])
+
+    def test_read_only_folder_keeps_the_old_file(self):
+        for target in ("out.msh", "out.cgns", "out.vtu", "out.h5"):
+            (self.folder / target).write_text("old")
+        before = self.files()
+        self.folder.chmod(0o555)
+        try:
+            for target in (*before, "new.msh"):
+                run = recurve("convert", self.curved, self.folder / target, preexec_fn=give_up_root)
+                self.assertEqual(run.returncode, BAD_INPUT, run.stderr)
+                self.assertEqual(run.stderr.count("\n"), 1)
+                self.assertIn(f"{target}: cannot be created in the directory", run.stderr)
+        finally:
             self.folder.chmod(0o755)
-            self.assertEqual(run.returncode, BAD_INPUT)
+        self.assertEqual(self.files(), before)
+        for target in before:
+            self.assertEqual((self.folder / target).read_text(), "old")
+
+    def test_what_stands_in_the_way_of_the_output(self):
+        (self.folder / "folder.msh").mkdir()
+        for target, word in (("folder.msh", "directory"), ("missing/out.msh", "does not exist")):
+            run = recurve("convert", self.curved, self.folder / target)
+            self.assertEqual(run.returncode, BAD_INPUT, run.stderr)
+            self.assertIn(word, run.stderr)
+        self.assertEqual(self.files(), ["folder.msh"])
 
     def test_a_killed_conversion_leaves_the_old_file(self):
         large = self.samples / "large.cgns"
@@ -169,6 +202,41 @@ class Convert(unittest.TestCase):
                 target.write_text("old")
             self.assertEqual(target.read_text(), "old")
             self.assertEqual(self.files(), ["out.msh"])
+
+    def end_while_writing(self, number, content):
+        """sends a signal as soon as something is written; the status, the messages and the unfinished files"""
+        target = self.folder / "out.msh"
+        for _ in range(20):  # in some it may be done before the signal comes
+            target.unlink(missing_ok=True)
+            if content is not None:
+                target.write_text(content)
+            process = subprocess.Popen([RECURVE, "convert", str(self.samples / "large.cgns"), str(target), "--ascii",
+                                        "-q"], stderr=subprocess.PIPE, text=True)
+            while process.poll() is None and not any(part.stat().st_size > 0 for part in self.folder.glob(".*.part")):
+                pass
+            process.send_signal(number)
+            _, messages = process.communicate(timeout=60)
+            if process.returncode == DONE:
+                continue
+            self.assertEqual(target.read_text() if target.exists() else None, content)
+            parts = list(self.folder.glob(".*.part"))
+            self.assertEqual(len(list(self.folder.iterdir())), len(parts) + (content is not None))
+            return process.returncode, messages, parts
+        self.fail("the signal always came too late")
+
+    def test_killed_in_the_middle_of_writing(self):
+        """not even a signal that no program can catch makes the target a half file"""
+        for content in ("old", None):
+            status, _, parts = self.end_while_writing(signal.SIGKILL, content)
+            self.assertEqual(status, -signal.SIGKILL)
+            for part in parts:
+                part.unlink()
+
+    def test_a_crash_leaves_no_half_file(self):
+        for content in ("old", None):
+            status, messages, parts = self.end_while_writing(signal.SIGSEGV, content)
+            self.assertEqual((status, parts), (-signal.SIGSEGV, []))
+            self.assertEqual(messages, "recurve: crashed; a damaged input can be the cause, else please report it\n")
 
     def test_output_does_not_depend_on_the_number_of_threads(self):
         digests = set()

@@ -33,6 +33,7 @@ using Point_set = std::set<Point>;
 std::vector<Vertex_name> at(const std::vector<Point>& points)
 {
   std::vector<Vertex_name> names;
+  names.reserve(points.size());
   for (const Point& p : points)
     names.push_back({.position = p});
   return names;

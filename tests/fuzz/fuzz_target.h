@@ -49,7 +49,7 @@ inline std::filesystem::path fuzz_file(const std::string& name, const std::uint8
     });
     return base;
   }();
-  const std::filesystem::path file = folder / name;
+  std::filesystem::path file = folder / name;
   std::ofstream(file, std::ios::binary).write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
   return file;
 }

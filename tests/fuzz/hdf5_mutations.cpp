@@ -1,5 +1,5 @@
 // Damages CGNS and HOPR files in their own terms: numbers of arrays and attributes, shapes, types, missing and doubled
-// nodes. The reader reads what it gets or refuses it with a message.
+// nodes; CGNS files also byte by byte. The reader reads what it gets or refuses it with a message.
 //
 // usage: hdf5_mutations cgns|hopr [COUNT [SEED]]
 #include "fuzz_target.h"
@@ -138,7 +138,7 @@ void mutate(const std::filesystem::path& path, Generator& generator)
     H5Fclose(file);
     return;
   }
-  const std::string name = names[below(generator, names.size())], link = links[below(generator, links.size())];
+  const std::string &name = names[below(generator, names.size())], &link = links[below(generator, links.size())];
   switch (below(generator, 8))
   {
   case 0: replace_array(file, name, generator); break;
@@ -203,7 +203,8 @@ int main(int argc, char** argv)
       std::filesystem::copy_file(original, file, std::filesystem::copy_options::overwrite_existing);
       for (std::size_t times = 1 + below(generator, 2); times > 0; --times)
         mutate(file, generator);
-      if (below(generator, 10) == 0)
+      // Object headers of HOPR files have no checksums; damaged ones make HDF5 1.10 itself read beyond them.
+      if (format == "cgns" && below(generator, 10) == 0)
         mutate_bytes(file, generator);
       alarm(30);
       bool is_read = false;

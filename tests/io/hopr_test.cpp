@@ -154,6 +154,7 @@ TEST_CASE("the order along the curve depends on places alone, and is total")
   const std::vector<Index> order = internal::hilbert_order(points);
   CHECK(std::set<Index>(order.begin(), order.end()).size() == 5);
   std::vector<Point> scaled;
+  scaled.reserve(points.size());
   for (const Point& x : points)
     scaled.push_back({1e6 * x[0] - 3e6, 1e6 * x[1], 1e6 * x[2]});
   CHECK(internal::hilbert_order(scaled) == order);

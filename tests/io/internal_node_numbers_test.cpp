@@ -13,6 +13,7 @@ namespace {
 std::vector<Point> points_named(const std::vector<Index>& numbers)
 {
   std::vector<Point> points;
+  points.reserve(numbers.size());
   for (const Index number : numbers)
     points.push_back({double(number), 0, 0});
   return points;

@@ -15,6 +15,7 @@
 using namespace recurve;
 namespace fs = std::filesystem;
 using Catch::Matchers::Contains;
+using Catch::Matchers::EndsWith;
 
 namespace {
 
@@ -88,22 +89,28 @@ TEST_CASE("every format says what it loses, and only of what there is")
   for (const Mesh_format& format : mesh_formats())
     if (format.read && format.write)
       CHECK(describe_loss(format, mesh).empty());
-  CHECK(describe_loss(mesh_format_of("a.off"), mesh) == "OFF does not hold, and this mesh has: cells");
+  CHECK(describe_loss(mesh_format_of("a.off"), mesh) == "OFF does not hold, and this mesh has: cells, patches");
   mesh.linear.zones[0].patches[0].kind = "BCWall";
   mesh.linear.units[1] = "Meter";
   CHECK(describe_loss(mesh_format_of("a.cgns"), mesh).empty());
   CHECK(describe_loss(mesh_format_of("a.msh"), mesh) ==
         "MSH does not hold, and this mesh has: kinds of boundary conditions, units");
+  mesh.linear.zones[0].name = "in/out";
+  mesh.linear.zones[0].patches[1].name = "a \"wall\" of " + std::string(200, 'x');
+  CHECK(describe_loss(mesh_format_of("a.cgns"), mesh) ==
+        "CGNS does not hold, and this mesh has: names beyond 32 bytes, / in names");
+  CHECK_THAT(describe_loss(mesh_format_of("a.msh"), mesh), EndsWith("units, names beyond 127 bytes, \" in names"));
+  CHECK_THAT(describe_loss(mesh_format_of("a.h5"), mesh), EndsWith("units"));
   for (const Mesh_content content : all_mesh_content)
-    CHECK(has_content(mesh, content) ==
-          (content == Mesh_content::cells || content == Mesh_content::kinds || content == Mesh_content::units));
+    CHECK(has_content(mesh, content) == (content == Mesh_content::cells || content == Mesh_content::patches ||
+                                         content == Mesh_content::kinds || content == Mesh_content::units));
 }
 
 TEST_CASE("each reader refuses what is not its format")
 {
   const fs::path folder = empty_folder();
   for (const Mesh_format& format : mesh_formats())
-    for (const std::string& text : {std::string("\0\1\2\3 no mesh\n", 14), std::string(3000, '\xff'), std::string("\n"),
+    for (const std::string& text : {std::string("\0\1\2\3 no mesh\n", 13), std::string(3000, '\xff'), std::string("\n"),
                                     std::string("<?xml version=\"1.0\"?>\n")})
       for (const std::string& extension : format.extensions)
       {

@@ -1,6 +1,8 @@
 #include <recurve/core/exceptions.h>
 #include <recurve/io/pending_file.h>
 
+#include <support/ordinary_user.h>
+
 #include <catch2/catch.hpp>
 
 #include <unistd.h>
@@ -99,8 +101,19 @@ TEST_CASE("what is no place for a file is refused with its name")
   CHECK_THROWS_WITH(Pending_file(folder.path), Contains("directory"));
   CHECK_THROWS_WITH(Pending_file("/dev/full"), Contains("/dev/full") && Contains("regular file"));
   CHECK(fs::exists("/dev/full"));
-  if (geteuid() == 0)
-    return; // nothing is read-only to root
-  fs::permissions(folder.path, fs::perms::owner_read | fs::perms::owner_exec);
-  CHECK_THROWS_WITH(Pending_file(folder.path / "mesh.vtu"), Contains("mesh.vtu") && Contains("Permission denied"));
+}
+
+TEST_CASE("a folder that is read-only takes no file, and keeps the old one")
+{
+  const Scratch_folder folder;
+  write(folder.path / "mesh.vtu", "old");
+  fs::permissions(folder.path,
+                  fs::perms::owner_read | fs::perms::owner_exec | fs::perms::others_read | fs::perms::others_exec);
+  {
+    const test::Ordinary_user user;
+    using Catch::Matchers::Contains;
+    CHECK_THROWS_WITH(Pending_file(folder.path / "mesh.vtu"), Contains("mesh.vtu") && Contains("Permission denied"));
+  }
+  CHECK(content(folder.path / "mesh.vtu") == "old");
+  CHECK(folder.file_count() == 1);
 }

@@ -2,7 +2,7 @@
 """The traps between formats, one check each: what goes wrong if a file is written a little differently, and where foreign
 readers are known to be wrong, that they are wrong in the known way and not we.
 
-usage: traps_test.py WRITE_VTK_SAMPLES WRITE_CGNS_SAMPLES FOLDER
+usage: traps_test.py WRITE_VTK_SAMPLES WRITE_CGNS_SAMPLES WRITE_MSH_SAMPLES FOLDER
 """
 import random
 import shutil
@@ -60,6 +60,64 @@ def volume(cell_type, points):
     return sizes.GetOutput().GetCellData().GetArray("Volume").GetTuple1(0)
 
 
+# Elements that PyFR knows, and the numbers of their nodes.
+PYFR_TYPES = {2: 3, 9: 6, 21: 10, 23: 15, 3: 4, 10: 9, 36: 16, 37: 25, 4: 4, 11: 10, 29: 20, 30: 35, 5: 8, 12: 27,
+              92: 64, 93: 125, 6: 6, 13: 18, 90: 40, 91: 75, 7: 5, 14: 14, 118: 30, 119: 55}
+
+
+def sections_of(path):
+    """the lines of each section of a text MSH file; every section is closed by its own mark"""
+    lines = iter(path.read_text().splitlines())
+    sections = {}
+    for line in lines:
+        name, content = line[1:], []
+        assert line == f"${name}" and name not in sections, line
+        for inner in lines:
+            if inner == f"$End{name}":
+                break
+            content.append(inner.split())
+        else:
+            raise AssertionError(f"${name} is not closed")
+        sections[name] = content
+    return sections
+
+
+def check_as_pyfr(test, path):
+    """PyFR takes text of version 4.1; names and numbers of groups may occur once, whatever the dimension, and every
+    entity with elements belongs to exactly one"""
+    sections = sections_of(path)
+    test.assertEqual(sections["MeshFormat"], [["4.1", "0", "8"]])
+    names = [(int(line[1]), " ".join(line[2:]).lower()) for line in sections["PhysicalNames"][1:]]
+    test.assertEqual(int(sections["PhysicalNames"][0][0]), len(names))
+    test.assertEqual(len({number for number, _ in names}), len(names))
+    test.assertEqual(len({name for _, name in names}), len(names))
+    group_of, entities = {}, iter(sections["Entities"])
+    points, curves, surfaces, volumes = map(int, next(entities))
+    test.assertEqual((points, curves), (0, 0))
+    for dimension, count in ((2, surfaces), (3, volumes)):
+        for line in (next(entities) for _ in range(count)):
+            test.assertEqual(line[7], "1")
+            group_of[dimension, int(line[0])] = int(line[8])
+    test.assertTrue(set(group_of.values()) <= {number for number, _ in names})
+    nodes = iter(sections["Nodes"])
+    blocks, count, first, last = map(int, next(nodes))
+    test.assertEqual((first, last), (1, count))
+    numbers = []
+    for _ in range(blocks):
+        size = int(next(nodes)[3])
+        numbers += [int(next(nodes)[0]) for _ in range(size)]
+        test.assertTrue(all(len(next(nodes)) == 3 for _ in range(size)))
+    test.assertEqual(sorted(numbers), list(range(1, count + 1)))
+    elements = iter(sections["Elements"])
+    blocks, count = map(int, next(elements)[:2])
+    for _ in range(blocks):
+        dimension, tag, kind, size = map(int, next(elements))
+        test.assertIn((dimension, tag), group_of)
+        test.assertTrue(all(len(next(elements)) == 1 + PYFR_TYPES[kind] for _ in range(size)))
+        count -= size
+    test.assertEqual((count, list(elements)), (0, []))
+
+
 class Traps(unittest.TestCase):
     def test_hexahedra_of_vtk_files_before_version_2(self):
         """VTK 9.1 renumbered two edges of hexahedra and takes files of version 1 for the old numbering"""
@@ -113,6 +171,21 @@ class Traps(unittest.TestCase):
             if name == "hexahedron":
                 self.assertLess(error_of(grid.GetCell(0), name, 4), EXACT)
 
+    def test_groups_of_msh_files_for_pyfr(self):
+        for name in ("two_zones", *(f"{cell}_{degree}" for cell in CORNERS for degree in range(1, 5))):
+            check_as_pyfr(self, FOLDER / "msh" / f"{name}_v41_ascii.msh")
+
+    def test_tags_of_msh_files_for_mfem(self):
+        """MFEM reads version 2.2 alone, and stops at an element whose first tag, its physical group, is not positive"""
+        for name in ("two_zones", *(f"{cell}_{degree}" for cell in CORNERS for degree in range(1, 7))):
+            sections = sections_of(FOLDER / "msh" / f"{name}_v22_ascii.msh")
+            self.assertEqual(sections["MeshFormat"], [["2.2", "0", "8"]])
+            groups = {int(line[1]) for line in sections["PhysicalNames"][1:]}
+            for _, _, tags, group, *_ in sections["Elements"][1:]:
+                self.assertGreaterEqual(int(tags), 2)
+                self.assertIn(int(group), groups)
+                self.assertGreater(int(group), 0)
+
     def test_version_stamps_of_cgns(self):
         """libcgns 3 refuses files stamped 4.0 and later; ours are stamped below, whatever wrote them"""
         path = FOLDER / "cgns" / "prism_2.cgns"
@@ -129,7 +202,7 @@ class Traps(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    FOLDER = Path(sys.argv[3])
-    for program, name in ((sys.argv[1], "vtk"), (sys.argv[2], "cgns")):
+    FOLDER = Path(sys.argv[4])
+    for program, name in ((sys.argv[1], "vtk"), (sys.argv[2], "cgns"), (sys.argv[3], "msh")):
         subprocess.run([program, str(FOLDER / name)], check=True)
     unittest.main(argv=sys.argv[:1], verbosity=2)

@@ -23,8 +23,8 @@ void write_all(const Curved_mesh& mesh, const std::filesystem::path& folder, con
   for (const bool is_ascii : {false, true})
   {
     const std::string suffix = is_ascii ? "_ascii.msh" : ".msh";
-    write_msh(mesh, folder / (name + "_v22" + suffix), {Msh_version::v2_2, is_ascii});
-    write_msh(mesh, folder / (name + "_v41" + suffix), {Msh_version::v4_1, is_ascii});
+    write_msh(mesh, folder / (name + "_v22").append(suffix), {Msh_version::v2_2, is_ascii});
+    write_msh(mesh, folder / (name + "_v41").append(suffix), {Msh_version::v4_1, is_ascii});
   }
 }
 

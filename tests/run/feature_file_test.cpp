@@ -175,7 +175,8 @@ TEST_CASE("feature file: mistakes are told with file and line")
   const std::string edit = "# comment\n[[edit]]\naction = \"add\"\n";
   fails("start = ", ", line 1", "");
   fails("start = \"auto\"\nstart = \"auto\"", ", line 2", "start");
-  fails("\nstart = \"never\"", ", line 2", "\"auto\" or \"none\"");
+  fails("\nstart = \"never\"", ", line 2", "\"auto\" or \"none\", found \"never\"");
+  fails("start = 1", ", line 1", "found no text");
   fails("begin = 1", ", line 1", "unknown key \"begin\"");
   fails("turning_angle = \"wide\"", ", line 1", "turning_angle");
   fails("turning_angle = nan", ", line 1", "finite");

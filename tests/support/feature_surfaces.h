@@ -232,6 +232,7 @@ inline Surface bar(const std::vector<std::array<double, 2>>& corners, const std:
 inline std::vector<std::array<double, 2>> regular_polygon(int n)
 {
   std::vector<std::array<double, 2>> corners;
+  corners.reserve(static_cast<std::size_t>(n));
   for (int i = 0; i < n; ++i)
     corners.push_back({std::cos(2 * pi * i / n), std::sin(2 * pi * i / n)});
   return corners;
@@ -253,6 +254,28 @@ inline Surface cylinder(int n, int rows, bool has_caps, Split split)
   return b.take([=](const Point& p, const Point& q) {
     const auto r = [](const Point& x) { return std::hypot(x[0], x[1]); };
     return has_caps && near(p[2], q[2]) && (near(p[2], 0) || near(p[2], 2)) && near(r(p), 1) && near(r(q), 1);
+  });
+}
+
+/// a can of radius 1 with seven facets, as regular as can be at its rims but not in between: there the mesh folds its
+/// round side by 80 degrees along the line x = 1, y = 0. Features are the rims.
+inline Surface folded_can()
+{
+  Surface_builder b(Split::quads);
+  const auto angle = [](double u, double v) {
+    const int i = static_cast<int>(std::lround(7 * u));
+    const double folded[] = {0, 80, 120, 160, 200, 240, 280, 360};
+    return (v == 0 || v == 1 ? 360 * u : folded[i]) * pi / 180;
+  };
+  const auto at = [&](double u, double v, double r) {
+    return Point{r * std::cos(angle(u, v)), r * std::sin(angle(u, v)), 2 * v};
+  };
+  b.patch(7, 4, [&](double u, double v) { return at(u, v, 1); });
+  b.patch(7, 1, [&](double u, double r) { return at(u, 0, r); });
+  b.patch(1, 7, [&](double r, double u) { return at(u, 1, r); });
+  return b.take([](const Point& p, const Point& q) {
+    const auto r = [](const Point& x) { return std::hypot(x[0], x[1]); };
+    return near(p[2], q[2]) && (near(p[2], 0) || near(p[2], 2)) && near(r(p), 1) && near(r(q), 1);
   });
 }
 

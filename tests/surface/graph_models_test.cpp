@@ -91,6 +91,7 @@ void build(const Polygons& polygons, Graph& g, VertexPointMap points)
   for (const auto& face : polygons.faces)
   {
     std::vector<typename boost::graph_traits<Graph>::vertex_descriptor> corners;
+    corners.reserve(face.size());
     for (const int corner : face)
       corners.push_back(vertices[static_cast<std::size_t>(corner)]);
     CGAL::Euler::add_face(corners, g);

@@ -37,9 +37,9 @@ TEST_CASE("exact and floating normals agree where both are certain", "[face_norm
   std::uniform_real_distribution<double> uniform(-1, 1);
   for (int round = 0; round < 200; ++round)
   {
-    std::vector<Point> points;
-    for (int i = 0; i < 4; ++i)
-      points.push_back({uniform(random), uniform(random), uniform(random)});
+    std::vector<Point> points(4);
+    for (Point& point : points)
+      point = {uniform(random), uniform(random), uniform(random)};
     const std::vector<Index> face = {0, 1, 2, 3};
     const Point a = face_normal(face, points), b = normalized(exact_newell_direction(face, points));
     for (std::size_t i = 0; i < 3; ++i)

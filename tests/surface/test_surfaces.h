@@ -43,6 +43,7 @@ Graph make_mesh(const Polygons& polygons)
   for (const auto& face : polygons.faces)
   {
     std::vector<typename Graph::Vertex_index> corners;
+    corners.reserve(face.size());
     for (const int corner : face)
       corners.push_back(vertices[static_cast<std::size_t>(corner)]);
     mesh.add_face(corners);

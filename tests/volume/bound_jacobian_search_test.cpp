@@ -148,28 +148,27 @@ TEST_CASE("bound_jacobian: a random search finds no wrong verdict", "[volume]")
   const std::array<int, 5> shares = {10, 60, 24, 6, 0}; // of 100, for degrees 1 to 4
   const unsigned seed = 20;
   std::cout << "seed " << seed << '\n';
-  int total = 0;
+  // Each type and degree is a section: `-c "hexahedron p=4"` runs one of them.
   for (const Element_type type : all_cells)
     for (int degree = 1; degree <= 4; ++degree)
-    {
-      Search search(type, degree, seed + static_cast<unsigned>(degree));
-      const int wanted = searched_cells() / 4 / 100 * shares[static_cast<std::size_t>(degree - 1)];
-      while (search.cells < wanted)
-        search.search_one_way();
-      std::cout << element_name(type) << " p=" << degree << ": " << search.cells << " cells, " << search.valid
-                << " valid, " << search.invalid << " invalid, " << search.undecided << " undecided, " << search.exact
-                << " by exact arithmetic, " << search.descents << " descents (" << search.unexplained
-                << " in vain), smallest sample of a valid cell " << search.least_margin << ", wrong " << search.wrong
-                << std::endl;
-      CHECK(search.wrong == 0);
-      // A descent may end in another minimum: one in twenty, and one more where there are few.
-      CHECK(20 * search.unexplained <= search.descents + 20);
-      CHECK(search.valid > search.cells / 10);
-      CHECK(search.invalid > search.cells / 10);
-      CHECK(search.undecided < search.cells / 5); // half of the cells are within 1e-3 of the turn
-      total += search.cells;
-    }
-  std::cout << total << " cells\n";
+      DYNAMIC_SECTION(element_name(type) << " p=" << degree)
+      {
+        Search search(type, degree, seed + static_cast<unsigned>(degree));
+        const int wanted = searched_cells() / 4 / 100 * shares[static_cast<std::size_t>(degree - 1)];
+        while (search.cells < wanted)
+          search.search_one_way();
+        std::cout << element_name(type) << " p=" << degree << ": " << search.cells << " cells, " << search.valid
+                  << " valid, " << search.invalid << " invalid, " << search.undecided << " undecided, " << search.exact
+                  << " by exact arithmetic, " << search.descents << " descents (" << search.unexplained
+                  << " in vain), smallest sample of a valid cell " << search.least_margin << ", wrong " << search.wrong
+                  << std::endl;
+        CHECK(search.wrong == 0);
+        // A descent may end in another minimum: one in twenty, and one more where there are few.
+        CHECK(20 * search.unexplained <= search.descents + 20);
+        CHECK(search.valid > search.cells / 10);
+        CHECK(search.invalid > search.cells / 10);
+        CHECK(search.undecided < search.cells / 5); // half of the cells are within 1e-3 of the turn
+      }
 }
 
 TEST_CASE("bound_jacobian: 10^5 samples per type and degree are enclosed", "[volume]")

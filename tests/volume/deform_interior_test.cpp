@@ -216,6 +216,28 @@ TEST_CASE("deform_interior: the fast sum keeps its bound where signs conspire", 
   CHECK(error <= report.error_bound);
 }
 
+TEST_CASE("deform_interior: four times the sources add the same work for a target, not four times as much", "[volume]")
+{
+  // What the expansion of a cell at a target costs, in pairs.
+  constexpr double cost_of_expansion = 60;
+
+  const std::vector<Point> targets = points_off_sphere(20000, 11, 1e-3, 1);
+  std::vector<double> work;
+  for (const int n : {5000, 20000, 80000})
+  {
+    const std::vector<Point> sources = fibonacci_sphere(n);
+    std::vector<Point> result(targets.size());
+    Interior_deformer<> deformer(sources, Inverse_distance<>(2 * std::sqrt(4 * std::acos(-1) / n)),
+                                 {.method = Summation::fast});
+    deformer.set_displacements(curving_field(sources));
+    const Deformation_report report = deformer.evaluate(targets, result);
+    work.push_back((static_cast<double>(report.pairs) + cost_of_expansion * static_cast<double>(report.translations)) /
+                   static_cast<double>(targets.size()));
+  }
+  CAPTURE(work);
+  CHECK(work[2] - work[1] < 1.5 * (work[1] - work[0]));
+}
+
 TEST_CASE("deform_interior: the number of threads does not matter, to the bit", "[volume]")
 {
   const Summation method = GENERATE(Summation::plain, Summation::fast);
@@ -416,6 +438,10 @@ TEST_CASE("deform_interior: takes any range of points", "[volume]")
   std::vector<Kernel::Point_3> cgal_sources, cgal_targets;
   std::vector<Kernel::Vector_3> cgal_given;
   std::vector<Eigen::Vector3d> eigen_targets;
+  cgal_sources.reserve(sources.size());
+  cgal_given.reserve(given.size());
+  cgal_targets.reserve(targets.size());
+  eigen_targets.reserve(targets.size());
   for (const Point& p : sources)
     cgal_sources.emplace_back(p[0], p[1], p[2]);
   for (const Point& p : given)

@@ -158,6 +158,7 @@ inline std::vector<Point> random_field(const std::vector<Point>& points, unsigne
 inline std::vector<Point> patch_field(const std::vector<Point>& points)
 {
   std::vector<Point> field;
+  field.reserve(points.size());
   for (const Point& p : points)
     field.push_back(p[0] > 0.8 && p[1] > 0 ? Point{0, -1, 0.5} : Point{0, 0, 0});
   return field;

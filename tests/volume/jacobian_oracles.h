@@ -112,8 +112,8 @@ inline std::vector<Reference_point> sample_cube(Element_type type, int per_direc
     points.push_back(into_cube(type, {uniform(random), uniform(random), uniform(random)}));
   const auto image = [type](const Reference_point& p) { return into_element(type, p); };
   std::ranges::sort(points, {}, image);
-  const auto repeated = std::ranges::unique(points, {}, image); // many are at collapsed corners
-  points.erase(repeated.begin(), repeated.end());
+  const auto is_same = [&](const Reference_point& a, const Reference_point& b) { return image(a) == image(b); };
+  points.erase(std::unique(points.begin(), points.end(), is_same), points.end()); // many are at collapsed corners
   return points;
 }
 

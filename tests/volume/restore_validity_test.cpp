@@ -353,6 +353,57 @@ TEST_CASE("restore_validity: linked nodes keep the same share", "[volume]")
   CHECK(reduced > 0);
 }
 
+TEST_CASE("restore_validity: the image of a linked node stays one, to the bit", "[volume]")
+{
+  // The side x = 1 is the side x = 0 further on by 1, and moves with it; it is the cells at x = 0 that fail.
+  const bool is_led_from_afar = GENERATE(false, true); // y = 1 by y = 0 as well: an edge is an image twice
+  const double rise = GENERATE(0.06, 0.1, 2.0);        // in the end all of it is given up
+  const double height = 0.02;
+  CAPTURE(is_led_from_afar, rise);
+  const std::size_t directions = is_led_from_afar ? 2 : 1;
+  Deformed_mesh m(layered_box(Element_type::hexahedron, 3, height, 4));
+  m.displace([&](const Point& p) -> Point {
+    const Point s = bulge(rise, height)(p);
+    return {0, 0, (p[0] == 0 || p[0] == 1 ? 1 : 0.1) * s[2]};
+  });
+  m.assign(Node_role::follower, is_side);
+  m.assign(Node_role::surface, is_floor);
+  std::vector<std::array<Index, 2>> linked;
+  std::vector<std::size_t> axes;
+  for (std::size_t d = 0; d < directions; ++d)
+    for (std::size_t a = 0; a < m.nodes.size(); ++a)
+      for (std::size_t b = 0; b < m.nodes.size(); ++b)
+        if (Point image = m.mesh.nodes[a]; m.mesh.nodes[a][d] == 0 && (image[d] = 1, m.mesh.nodes[b] == image))
+        {
+          linked.push_back({static_cast<Index>(a), static_cast<Index>(b)});
+          axes.push_back(d);
+        }
+  // Where the image belongs: one off the floor by a third, which its own displacement would miss by a rounding.
+  const auto image = [&](std::size_t pair, Point p) {
+    p[axes[pair]] += 1;
+    p[2] *= 1 + 0x1p-40;
+    return p;
+  };
+  for (std::size_t pair = 0; pair < linked.size(); ++pair)
+    m.nodes[std::size_t(linked[pair][1])] = image(pair, m.nodes[std::size_t(linked[pair][0])]);
+  const Restoration_report report = restore_validity(m.nodes, m.mesh.nodes, m.mesh.blocks(), m.mesh.degree,
+                                                     {m.roles, linked, m.factors, image}, {.repair_layers = 0});
+  CHECK(report.is_certified());
+  int reduced = 0;
+  for (std::size_t pair = 0; pair < linked.size(); ++pair)
+  {
+    const auto [a, b] = linked[pair];
+    const double factor = m.factors[std::size_t(a)];
+    CHECK(m.factors[std::size_t(b)] == factor);
+    if (factor == 0 || factor == 1 || m.nodes[std::size_t(a)] == m.mesh.nodes[std::size_t(a)])
+      continue;
+    ++reduced;
+    CHECK(m.nodes[std::size_t(b)] == image(pair, m.nodes[std::size_t(a)]));
+  }
+  if (rise < 1)
+    CHECK(reduced > 0);
+}
+
 TEST_CASE("restore_validity: reductions fade out", "[volume]")
 {
   const auto floor = [](int layers) {

@@ -23,7 +23,8 @@ constexpr const char* explanation =
   "determinant is zero or negative somewhere; \"undecided\", that neither could be proven, so do not rely on the "
   "cell.\n"
   "The scaled Jacobian is the determinant's certified lower bound over its upper bound: 1 for a cell that is straight "
-  "and undistorted along its parameters, near 0 for one about to fold.\n";
+  "and undistorted along its parameters, near 0 for one about to fold. Cells are numbered from 0 in "
+  "each zone.\n";
 
 constexpr const char* examples =
   "Examples:\n"
@@ -63,10 +64,11 @@ int run(const Check_arguments& given)
   const Progress_callback progress = callback_of(bar);
   Read_report read_report;
   std::vector<Stage_time> times;
-  Curved_mesh mesh =
+  const Curved_mesh mesh =
     run_stage("read", times, progress, [&] { return read_curved_mesh(given.input, &read_report, progress); });
+  if (mesh.cell_count() == 0)
+    throw Input_error(given.input.string() + ": no cells, so there is nothing to certify");
   const Validity_check check = run_stage("certify", times, progress, [&] {
-    update_straight_cells(mesh);
     return check_validity(mesh, static_cast<std::size_t>(given.worst), {}, progress);
   });
   write_picture(given, mesh, check, progress);

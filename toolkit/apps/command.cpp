@@ -18,6 +18,12 @@ Progress_callback callback_of(Progress_bar& bar)
   };
 }
 
+CLI::Option* add_negation(CLI::App& command, const char* name, bool& value, const char* meaning)
+{
+  return command.add_flag_callback(
+    name, [&value] { value = false; }, meaning);
+}
+
 bool is_same_file(const fs::path& a, const fs::path& b)
 {
   std::error_code ignored;

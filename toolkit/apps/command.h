@@ -46,6 +46,10 @@ Command add_info_command(CLI::App& app);
 /// shows progress in `bar` and ends the work when the user asks for that.
 Progress_callback callback_of(Progress_bar& bar);
 
+/// adds the flag `name` that makes `value` false. (What CLI11 has for this, `!name`, is written name{false} in the
+/// help.)
+CLI::Option* add_negation(CLI::App& command, const char* name, bool& value, const char* meaning);
+
 bool is_same_file(const std::filesystem::path& a, const std::filesystem::path& b);
 
 /// A stream or device such as /dev/stdout cannot be renamed into place; it is written directly.

@@ -55,8 +55,7 @@ int run(const Convert_arguments& given)
   run_stage("write", times, progress, [&] { write_mesh(mesh, output, {}, progress, given.options); });
   output.commit();
   bar.finish();
-  if (const std::string loss = describe_loss(mesh_format_of(given.output), mesh); !loss.empty())
-    fmt::print(stderr, "recurve: {}: {}\n", given.output.string(), loss);
+  tell_loss(given.output, mesh);
   if (!given.is_quiet)
     fmt::print("{}", describe(given, mesh, report));
   return exit_done;

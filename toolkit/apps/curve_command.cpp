@@ -12,6 +12,7 @@
 
 #include <array>
 #include <chrono>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -34,6 +35,15 @@ struct Curve_arguments
   bool is_quiet = false;
 };
 
+Picture_format picture_format(const fs::path& file)
+{
+  if (file.extension() == ".svg")
+    return Picture_format::svg;
+  if (file.extension() == ".png")
+    return Picture_format::png;
+  throw Usage_error(fmt::format("{}: the histogram is written as .svg or .png", file.string()));
+}
+
 /// refuses before the work what can only fail after it.
 void check_files(const Curve_arguments& given)
 {
@@ -43,14 +53,13 @@ void check_files(const Curve_arguments& given)
     throw Usage_error(fmt::format("{}: the report needs a file of its own", given.report.string()));
   if (given.histogram.empty())
     return;
-  if (given.histogram.extension() != ".svg")
-    throw Usage_error(fmt::format("{}: the histogram is written as .svg", given.histogram.string()));
+  picture_format(given.histogram);
   for (const fs::path& other : {given.input, given.output, given.report})
     if (!other.empty() && is_same_file(given.histogram, other))
       throw Usage_error(fmt::format("{}: the histogram needs a file of its own", given.histogram.string()));
 }
 
-/// A text that is written beside the mesh, or to a stream.
+/// A text, or a picture, that is written beside the mesh, or to a stream.
 class Text_result
 {
 public:
@@ -61,6 +70,8 @@ public:
     file_.emplace(name_);
     remember_unfinished(slot, file_->path());
   }
+
+  const fs::path& name() const { return name_; }
 
   template <class MakeText>
   void write(const MakeText& make_text)
@@ -95,7 +106,7 @@ public:
   void commit(const Curving_report& report)
   {
     report_.write([&] { return to_json(report); });
-    histogram_.write([&] { return histogram_svg(report.jacobians); });
+    histogram_.write([&] { return draw_histogram(report.jacobians, picture_format(histogram_.name())); });
     mesh_.commit();
     report_.commit();
     histogram_.commit();
@@ -175,18 +186,34 @@ int run(Curve_arguments& given)
   report.peak_memory_bytes = peak_memory_bytes();
   results.commit(report);
   bar.finish();
+  tell_loss(given.output, curved);
   if (!given.is_quiet)
     fmt::print("{}", describe(report));
   return report.certification.is_certified() ? exit_done : exit_uncertified;
 }
 
+/// A number from `least` to `most`, which `words` describe; nan is none.
+CLI::Validator number_within(double least, double most, const std::string& words)
+{
+  const auto check = [=](const std::string& text) {
+    double number = 0;
+    const bool is_number = CLI::detail::lexical_cast(text, number);
+    return is_number && number >= least && number <= most ? std::string()
+                                                          : fmt::format("expected {}, found {}", words, text);
+  };
+  return {check, ""};
+}
+
 void add_deformation_options(CLI::App& curve, Curve_arguments& given)
 {
+  constexpr double smallest = std::numeric_limits<double>::min(), largest = std::numeric_limits<double>::max();
+  const auto a_length = number_within(smallest, largest, "a positive number");
+  // A higher power leaves only the nearest node, and soon exceeds all numbers.
+  const auto an_exponent = number_within(0.01, 20, "0.01 to 20");
   constexpr const char* group = "Interior";
   Deformation_options& formula = given.options.deformation;
-  curve
-    .add_flag("!--no-deform", given.options.deform,
-              "bend only cells that touch the curved surface; thin layers behind it may fold")
+  add_negation(curve, "--no-deform", given.options.deform,
+               "bend only cells that touch the curved surface; thin layers behind it may fold")
     ->group(group);
   curve
     .add_option("--periodic", given.periodic,
@@ -200,24 +227,24 @@ void add_deformation_options(CLI::App& curve, Curve_arguments& given)
       "--influence-radius", formula.summation.reach,
       "distance from the nearest node of the boundary that moves, beyond which nothing does, in the unit of the mesh "
       "(default: no limit)")
-    ->check(CLI::PositiveNumber)
+    ->check(a_length)
     ->group(group);
   curve
     .add_option("--influence-length", formula.length,
                 "L of the formula (L/r)^a + (alpha L/r)^b, in the unit of the mesh (default: the mean length of the "
                 "edges of curved faces)")
-    ->check(CLI::PositiveNumber)
+    ->check(a_length)
     ->group(group);
   curve.add_option("--influence-alpha", formula.alpha, "its alpha, the weight of what is near")
-    ->check(CLI::NonNegativeNumber)
+    ->check(number_within(0, 100, "0 to 100"))
     ->capture_default_str()
     ->group(group);
   curve.add_option("--influence-far", formula.a, "its exponent a, of what is far")
-    ->check(CLI::PositiveNumber)
+    ->check(an_exponent)
     ->capture_default_str()
     ->group(group);
   curve.add_option("--influence-near", formula.b, "its exponent b, of what is near")
-    ->check(CLI::PositiveNumber)
+    ->check(an_exponent)
     ->capture_default_str()
     ->group(group);
   curve
@@ -228,7 +255,7 @@ void add_deformation_options(CLI::App& curve, Curve_arguments& given)
   curve
     .add_option("--deform-error", formula.summation.error_bound,
                 "largest error of the motion inside, relative to the largest displacement of the surface")
-    ->check(CLI::Range(1e-9, 1.0))
+    ->check(number_within(1e-9, 1, "1e-9 to 1"))
     ->capture_default_str()
     ->group(group);
 }
@@ -253,7 +280,9 @@ Command add_curve_command(CLI::App& app)
     ->add_option("--fit-preset", given->options.fit_preset,
                  "how the surface is fitted: default, or as in the paper by Ims and Wang")
     ->transform(CLI::CheckedTransformer(
-      std::map<std::string, Fit_preset>{{"default", Fit_preset::standard}, {"paper", Fit_preset::paper}}))
+                  std::map<std::string, Fit_preset>{{"default", Fit_preset::standard}, {"paper", Fit_preset::paper}})
+                  .description(""))
+    ->type_name("default|paper")
     ->default_str("default");
   add_surface_options(*curve, given->surface, given->options);
   add_deformation_options(*curve, *given);
@@ -262,7 +291,7 @@ Command add_curve_command(CLI::App& app)
   curve
     ->add_option("--histogram", given->histogram,
                  "bound the Jacobians of all cells after each step as well, and draw their histograms")
-    ->type_name("FILE.svg");
+    ->type_name("FILE.svg|.png");
   curve->add_option("--threads", given->options.threads, "largest number of threads (default: all)")
     ->check(CLI::Range(1, 4096));
   curve->add_flag("-q,--quiet", given->is_quiet, "no progress bar and no summary");

@@ -192,8 +192,8 @@ std::string_view explain(Rejection reason)
   case Rejection::dangling: return "dangling: fades out or ends in doubt, with few strong edges";
   case Rejection::doubtful: return "doubtful: both ends are, and it has few strong edges";
   case Rejection::overshadowed: return "overshadowed: weak, between stronger features";
-  case Rejection::smooth: return "smooth: the surface bends beside it as along it";
-  case Rejection::rough: return "rough: one of many short ones, and the surface bends beside them as along them";
+  case Rejection::smooth: return "smooth: the surface bends as much beside it, or around its ends";
+  case Rejection::rough: return "rough: one of a few, and the surface bends as much beside them, or back";
   }
   return "";
 }

@@ -45,11 +45,12 @@ std::string describe_histogram(const Jacobian_report& report)
   return table(rows);
 }
 
-std::string smallest(const Jacobian_report& report)
+/// \param whose  "", or which cells are meant
+std::string smallest(const Jacobian_report& report, std::string_view whose = "")
 {
   return report.least_valid.element == no_index
            ? "no cell is valid"
-           : fmt::format("smallest certified scaled Jacobian {:.4g}", report.least_valid.scaled);
+           : fmt::format("smallest certified scaled Jacobian{} {:.4g}", whose, report.least_valid.scaled);
 }
 
 std::string named(const std::vector<Cell_verdict>& cells)
@@ -96,18 +97,20 @@ std::string describe(const Certification& certification)
 
 std::string describe(const Validity_check& check, const std::string& file)
 {
-  std::string text = fmt::format("{}: degree {}, {}, {} exactly straight\n", file, check.degree,
-                                 counted(check.cells, "cell", "cells"), grouped(check.jacobians.straight_elements));
+  std::string text = fmt::format("{}: degree {}, {}", file, check.degree, counted(check.cells, "cell", "cells"));
+  if (check.degree > 1)
+    text += fmt::format(", {} exactly straight", grouped(check.jacobians.straight_elements));
+  text += "\n";
   text += describe_types(check.jacobians);
   if (!check.worst.empty())
     text += "worst cells\n" + describe_cells(check.worst);
   text += "scaled Jacobian (certified lower bound over upper bound) of the valid cells\n";
   text += describe_histogram(check.jacobians);
   const auto total = check.jacobians.total();
-  text += check.is_valid()
-            ? fmt::format("every cell is certified valid; {}\n", smallest(check.jacobians))
-            : fmt::format("NOT VALID: {} and {}; {}\n", counted(total.invalid, "invalid", "invalid"),
-                          counted(total.undecided, "undecided cell", "undecided cells"), smallest(check.jacobians));
+  text += check.is_valid() ? fmt::format("every cell is certified valid; {}\n", smallest(check.jacobians))
+                           : fmt::format("NOT VALID: {} and {}; {}\n", counted(total.invalid, "invalid", "invalid"),
+                                         counted(total.undecided, "undecided cell", "undecided cells"),
+                                         smallest(check.jacobians, " of the valid cells"));
   return text;
 }
 

@@ -26,6 +26,11 @@ public:
 
   void flag(const char* name, bool& value, const char* meaning) { keep(command_.add_flag(name, value, meaning)); }
 
+  void negation(const char* name, bool& value, const char* meaning)
+  {
+    keep(add_negation(command_, name, value, meaning));
+  }
+
   Detection_options take() { return std::move(options_); }
 
 private:
@@ -71,8 +76,8 @@ Detection_options add_detection_options(CLI::App& command, Feature_options& opti
   add.number("--turning-angle", options.turning_angle, "a curve that turns by more at a vertex is cut there");
   add.number("--ridge-deviation", options.ridge_deviation, "largest angle of an edge with the ridge that it continues");
   add.number("--ridge-ratio", options.ridge_ratio, "largest ratio of normal spreads, along to across, on a ridge");
-  add.flag("!--no-border-ends", options.border_ends, "a weak curve that ends at a border is no curve");
-  add.flag("!--no-reject-smooth", options.reject_smooth, "keep curves along which the surface bends as beside them");
+  add.negation("--no-border-ends", options.border_ends, "a weak curve that ends at a border is no curve");
+  add.negation("--no-reject-smooth", options.reject_smooth, "keep curves along which the surface bends as beside them");
   add.number("--smooth-angle", options.smooth_angle, "edges above this are never rejected as smooth");
   add.number("--smooth-contrast", options.smooth_contrast,
              "a curve is rejected as smooth if it bends less than so many times as much as the surface beside it");

@@ -9,10 +9,16 @@ namespace recurve {
 
 std::string grouped(Index number)
 {
-  std::string digits = std::to_string(number);
-  for (auto at = static_cast<std::ptrdiff_t>(digits.size()) - 3; at > (number < 0 ? 1 : 0); at -= 3)
-    digits.insert(static_cast<std::size_t>(at), ",");
-  return digits;
+  const std::string digits = std::to_string(number);
+  const std::size_t sign = number < 0 ? 1 : 0;
+  std::string text = digits.substr(0, sign);
+  for (std::size_t at = sign; at < digits.size(); ++at)
+  {
+    if (at > sign && (digits.size() - at) % 3 == 0)
+      text += ',';
+    text += digits[at];
+  }
+  return text;
 }
 
 std::string counted(Index number, std::string_view singular, std::string_view plural)

@@ -159,7 +159,7 @@ int main(int argc, char** argv)
   for (const double bound : {1e-2, 1e-6})
     run({.bound = bound});
   // How it grows with the sources, and with a second thread; the clock tells the time of two.
-  for (const int sources : {25'000, 1'600'000})
+  for (const int sources : {25'000, 50'000, 200'000, 1'000'000, 4'000'000})
     run({.sources = sources});
   for (const int sources : {100'000, 400'000})
     run({.sources = sources, .threads = 2});

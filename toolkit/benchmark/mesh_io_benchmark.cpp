@@ -1,7 +1,8 @@
 // Reads a linear mesh of tetrahedra from CGNS and writes it at degree 2 in each format: seconds, MB/s, how that
 // compares with copying the same bytes, and the peak of memory.
 //
-// usage: mesh_io_benchmark FOLDER [CELLS [DEGREE]]        FOLDER should be on the disk that counts; CELLS: 10000000
+// usage: mesh_io_benchmark FOLDER [CELLS [DEGREE [FORMAT]]]
+//        FOLDER should be on the disk that counts; CELLS: 10000000; DEGREE: 2; FORMAT: CGNS, MSH, ..., else all of them
 #include <recurve/io/mesh_io.h>
 #include <recurve/mesh/join_zones.h>
 
@@ -126,7 +127,7 @@ void tell(const std::string& what, double seconds, const fs::path& file, double 
   std::cout.flush();
 }
 
-void run(const fs::path& folder, Index cells, int degree)
+void run(const fs::path& folder, Index cells, int degree, const std::string& only)
 {
   const auto n = static_cast<Index>(std::lround(std::cbrt(static_cast<double>(cells) / 6)));
   fs::create_directories(folder);
@@ -150,7 +151,7 @@ void run(const fs::path& folder, Index cells, int degree)
   double peak = memory("VmHWM");
   for (const Mesh_format& format : mesh_formats())
   {
-    if (format.largest_degree_written < degree)
+    if (format.largest_degree_written < degree || !format.read || (!only.empty() && format.name != only))
       continue;
     const fs::path file = folder / ("curved" + format.extensions.front());
     reset_peak();
@@ -164,7 +165,8 @@ void run(const fs::path& folder, Index cells, int degree)
       continue;
     start = now();
     const Curved_mesh back = read_curved_mesh(file);
-    tell("read " + format.name, now() - start, file, copy_time(file, copy));
+    const double read_seconds = now() - start;
+    tell("read " + format.name, read_seconds, file, copy_time(file, copy));
     fs::remove(file);
   }
   fs::remove(input);
@@ -180,7 +182,7 @@ try
 {
   if (argc < 2)
     return 1;
-  run(argv[1], argc > 2 ? std::atoll(argv[2]) : 10000000, argc > 3 ? std::atoi(argv[3]) : 2);
+  run(argv[1], argc > 2 ? std::atoll(argv[2]) : 10000000, argc > 3 ? std::atoi(argv[3]) : 2, argc > 4 ? argv[4] : "");
 }
 catch (const std::exception& error)
 {

@@ -109,6 +109,7 @@ std::vector<Kernel::Point_3> points_around(const Mesh& mesh, Mesh::Vertex_index 
       if (vertices.size() < count && std::find(vertices.begin(), vertices.end(), v) == vertices.end())
         vertices.push_back(v);
   std::vector<Kernel::Point_3> points;
+  points.reserve(vertices.size());
   for (const auto v : vertices)
     points.push_back(mesh.point(v));
   return points;

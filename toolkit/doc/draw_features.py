@@ -20,7 +20,8 @@ from PIL import Image
 
 import render
 
-COLORS = 64  # of the picture: it stays small
+PIXELS = 1200, 900
+COLORS = 128  # of the picture: it stays small, and no colour of a curve turns grey
 MARGIN = 12  # pixels around what is shown
 HIDDEN = 1  # pixels by which a line may lie behind the surface and is still drawn
 
@@ -82,7 +83,7 @@ def main():
 
     blocks = render.read_faces(options.mesh, options.patch)
     render.fit_view(blocks, options)
-    picture = Feature_picture(options.at, getattr(options, "from"), options.width)
+    picture = Feature_picture(options.at, getattr(options, "from"), options.width, PIXELS)
     for corners, _, nodes in blocks:
         faces = nodes[:, :corners]
         for first in range(1, corners - 1):

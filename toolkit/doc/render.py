@@ -2,6 +2,7 @@
 """Draws a mesh before and after curving, without a display.
 
 usage: render.py CURVED.cgns DIRECTORY [--patch NAME ...] [--at X Y Z] [--from X Y Z] [--width W] [--section X WIDTH]
+                 [--pixels COLUMNS ROWS]
 
 Writes before.png and after.png: the boundary faces of the patches (names or wildcards; default: all), seen along the
 direction from --from to --at, W wide, each element as its polynomial is, edges of elements in dark; by default the
@@ -24,7 +25,6 @@ from matplotlib import pyplot  # noqa: E402  (the backend comes first)
 FACE_TYPES = {5: (3, 1), 6: (3, 2), 26: (3, 3), 42: (3, 4), 7: (4, 1), 9: (4, 2), 28: (4, 3), 44: (4, 4)}
 SUBDIVISIONS = 10  # of an element's edge: far finer than a pixel of curvature
 SUPERSAMPLING = 2  # pixels per pixel of the picture, in each direction
-PICTURE = (1200, 900)
 
 
 def children(group, label):
@@ -138,14 +138,14 @@ def edge_points(corners, count):
 class Picture:
     """A depth buffer, seen along a direction without perspective."""
 
-    def __init__(self, at, camera, width):
+    def __init__(self, at, camera, width, pixels):
         self.at = np.array(at, dtype=float)
         backward = np.array(camera, dtype=float) - self.at
         backward /= np.linalg.norm(backward)
         right = np.cross((0, 0, 1), backward)
         right /= np.linalg.norm(right)
         self.axes = np.stack([right, np.cross(backward, right), backward])
-        self.columns, self.rows = (SUPERSAMPLING * side for side in PICTURE)
+        self.columns, self.rows = (SUPERSAMPLING * side for side in pixels)
         self.scale = self.columns / width
         self.depth = np.full((self.rows, self.columns), -np.inf)
         self.color = np.ones((self.rows, self.columns, 3))
@@ -201,7 +201,7 @@ class Picture:
 
 
 def draw(blocks, path, options):
-    picture = Picture(options.at, getattr(options, "from"), options.width)
+    picture = Picture(options.at, getattr(options, "from"), options.width, options.pixels)
     near = [(corners, degree, nodes[(np.abs(nodes.mean(axis=1) - picture.at) < 1.5 * options.width).all(axis=1)])
             for corners, degree, nodes in blocks]
     for corners, degree, nodes in near:
@@ -274,6 +274,7 @@ def main():
     parser.add_argument("--from", nargs=3, type=float)
     parser.add_argument("--width", type=float)
     parser.add_argument("--section", nargs=2, type=float, metavar=("X", "WIDTH"))
+    parser.add_argument("--pixels", nargs=2, type=int, metavar=("COLUMNS", "ROWS"), default=(1200, 900))
     options = parser.parse_args()
 
     after = read_faces(options.curved, options.patch)

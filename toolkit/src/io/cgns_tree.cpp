@@ -1,5 +1,7 @@
 #include "cgns_tree.h"
 
+#include "hdf5_file.h"
+
 #include <cgns_io.h>
 #include <cgnslib.h>
 #include <fmt/format.h>
@@ -94,6 +96,8 @@ Cgns_tree::Cgns_tree(const std::filesystem::path& file) : file_(file), lock_(cgn
   if (cgio_check_file(file.c_str(), &type) != CGIO_ERR_NONE || type == CGIO_FILE_NONE)
     fail("is no CGNS file (neither HDF5 nor ADF)");
   is_hdf5_ = type == CGIO_FILE_HDF5;
+  if (is_hdf5_ && !has_sound_links(file))
+    fail("cannot be opened as CGNS: the HDF5 file is damaged or cut short");
   check(cgio_open_file(file.c_str(), CGIO_MODE_READ, CGIO_FILE_NONE, &handle_), "cannot be opened as CGNS");
   if (cgio_get_root_id(handle_, &root_id_) != CGIO_ERR_NONE)
   {

@@ -26,6 +26,11 @@ hid_t open_or_create(const std::filesystem::path& file, Hdf5_file::Mode mode)
                                        : H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
 }
 
+herr_t go_on(hid_t, const char*, const H5O_info_t*, void*)
+{
+  return 0;
+}
+
 template <class Number>
 hid_t memory_type()
 {
@@ -45,6 +50,12 @@ hid_t file_type()
 }
 
 } // namespace
+
+bool has_sound_links(const std::filesystem::path& file)
+{
+  const Hdf5_handle handle(open_or_create(file, Hdf5_file::Mode::read), H5Fclose);
+  return handle >= 0 && H5Ovisit2(handle, H5_INDEX_NAME, H5_ITER_NATIVE, go_on, nullptr, H5O_INFO_BASIC) >= 0;
+}
 
 Hdf5_file::Hdf5_file(const std::filesystem::path& file, Mode mode)
   : path_(file), lock_(cgns::cgns_mutex()), file_(open_or_create(file, mode), H5Fclose)

@@ -39,6 +39,10 @@ private:
   herr_t (*close_)(hid_t);
 };
 
+/// whether every object that the file's own links lead to can be opened. HDF5 1.10 crashes when it lists a damaged
+/// group in the order of names, as libcgns has it do; in the order of the file, as here, it reports an error.
+bool has_sound_links(const std::filesystem::path& file);
+
 /// An HDF5 file of flat arrays and attributes, open for reading or for writing. Other uses of HDF5 in this process wait
 /// meanwhile. Every function throws `Format_error`, whose message begins with the file.
 class Hdf5_file

@@ -13,6 +13,8 @@
 #include <map>
 #include <new>
 #include <optional>
+#include <span>
+#include <utility>
 
 namespace recurve {
 
@@ -201,16 +203,26 @@ private:
 
   void add_cells(const std::map<std::int64_t, Index>& zones, const std::vector<std::int64_t>& zone_numbers)
   {
-    std::map<std::pair<Index, Element_type>, std::size_t> groups;
+    using Zone_and_type = std::pair<std::int64_t, Element_type>;
+    std::map<Zone_and_type, std::size_t> groups;
+    Zone_and_type last = {};
+    std::vector<Index>* nodes = nullptr;
+    std::span<const int> order;
     for (std::size_t element = 0; element < types_.size(); ++element)
     {
-      const Index zone = zones.at(zone_numbers[element]);
       const Element_type type = types_[element];
-      const auto [entry, is_new] = groups.try_emplace({zone, type}, mesh_.cells.size());
-      if (is_new)
-        mesh_.cells.push_back({zone, std::string(element_name(type)), type, {}});
-      for (Index node = 0; node < node_count(type, mesh_.degree); ++node)
-        mesh_.cells[entry->second].nodes.push_back(node_of(element, static_cast<int>(node)));
+      // Neighbours mostly belong together.
+      if (const Zone_and_type key = {zone_numbers[element], type}; nodes == nullptr || key != last)
+      {
+        const auto [entry, is_new] = groups.try_emplace(key, mesh_.cells.size());
+        if (is_new)
+          mesh_.cells.push_back({zones.at(key.first), std::string(element_name(type)), type, {}});
+        nodes = &mesh_.cells[entry->second].nodes;
+        order = foreign_of_canonical(Node_order::rows, type, mesh_.degree);
+        last = key;
+      }
+      for (const int place : order)
+        nodes->push_back(ids_[static_cast<std::size_t>(first_node_[element] + place)]);
     }
   }
 

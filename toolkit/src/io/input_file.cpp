@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <fcntl.h>
+
 #include <cerrno>
 
 namespace recurve::internal {
@@ -11,6 +13,9 @@ namespace recurve::internal {
 namespace {
 
 constexpr std::size_t buffer_bytes = std::size_t{1} << 20;
+
+// The system reads that much ahead, so that the disk does not wait while numbers are taken from the buffer.
+constexpr std::uint64_t ahead_bytes = std::uint64_t{32} << 20;
 
 // Words of a mesh file are numbers and names; a longer one is no text.
 constexpr std::size_t longest_word = 4096;
@@ -50,6 +55,17 @@ void Input_file::check_count(std::uint64_t count, std::uint64_t bytes, std::stri
     fail(fmt::format("{} {} cannot be in the rest of the file, {} bytes", count, what, remaining()));
 }
 
+void Input_file::fetch_ahead()
+{
+  const std::uint64_t here = buffer_offset_ + end_;
+  if (size_ <= buffer_bytes || here + ahead_bytes / 2 < fetched_)
+    return;
+  fetched_ = std::max(fetched_, here);
+  posix_fadvise(fileno(file_.get()), static_cast<off_t>(fetched_), static_cast<off_t>(ahead_bytes),
+                POSIX_FADV_WILLNEED);
+  fetched_ += ahead_bytes;
+}
+
 bool Input_file::refill()
 {
   std::copy(buffer_.begin() + static_cast<std::ptrdiff_t>(at_), buffer_.begin() + static_cast<std::ptrdiff_t>(end_),
@@ -57,6 +73,7 @@ bool Input_file::refill()
   buffer_offset_ += at_;
   end_ -= at_;
   at_ = 0;
+  fetch_ahead();
   const std::size_t count = std::fread(buffer_.data() + end_, 1, buffer_.size() - end_, file_.get());
   if (count == 0 && std::ferror(file_.get()) != 0)
     fail(fmt::format("cannot be read: {}", std::strerror(errno)));
@@ -159,7 +176,7 @@ bool Input_file::skip_behind(std::string_view text)
 void Input_file::rewind()
 {
   std::rewind(file_.get());
-  buffer_offset_ = 0;
+  buffer_offset_ = fetched_ = 0;
   at_ = end_ = 0;
   line_ = 1;
 }

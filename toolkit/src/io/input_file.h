@@ -100,6 +100,7 @@ public:
 
 private:
   bool refill();
+  void fetch_ahead();
   void fill(std::size_t count);
   [[noreturn]] void fail_to_parse(std::string_view word, std::string_view what) const;
 
@@ -108,6 +109,7 @@ private:
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
   std::uint64_t size_ = 0;
   std::uint64_t buffer_offset_ = 0; ///< of the first byte of the buffer, in the file
+  std::uint64_t fetched_ = 0;       ///< end of what the system was asked to read
   std::vector<char> buffer_;
   std::size_t at_ = 0, end_ = 0;
   Index line_ = 1;

@@ -29,14 +29,15 @@ public:
   {
     const auto [entry, is_new] = numbers_.try_emplace({dimension, name}, static_cast<int>(groups_.size()) + 1);
     if (is_new)
-      groups_.push_back({dimension, entry->second, free_name(name)});
+      groups_.push_back({dimension, entry->second, free_name(dimension, name)});
     return entry->second;
   }
 
   std::vector<Physical_group> take() { return std::move(groups_); }
 
 private:
-  std::string free_name(std::string name)
+  /// a name as the file can hold it. Surfaces and volumes may have the same one.
+  std::string free_name(int dimension, std::string name)
   {
     for (char& character : name)
       if (character == '"')
@@ -47,7 +48,7 @@ private:
       name = "unnamed";
     name = cgns::cut_name(name, longest_name);
     std::string candidate = name;
-    for (int number = 2; !taken_.insert(candidate).second; ++number)
+    for (int number = 2; !taken_.insert({dimension, candidate}).second; ++number)
     {
       const std::string suffix = fmt::format("_{}", number);
       candidate = cgns::cut_name(name, longest_name - suffix.size()) + suffix;
@@ -56,7 +57,7 @@ private:
   }
 
   std::map<std::pair<int, std::string>, int> numbers_;
-  std::set<std::string> taken_;
+  std::set<std::pair<int, std::string>> taken_;
   std::vector<Physical_group> groups_;
 };
 
@@ -263,7 +264,7 @@ Msh_layout make_layout(const Curved_mesh& mesh)
   Msh_layout layout;
   Group_list groups;
   for (const Zone& zone : mesh.linear.zones)
-    groups.number_of(3, zone.name); // zones first, so that a patch of the same name is the one that gives way
+    groups.number_of(3, zone.name); // zones have the first numbers
   for (std::size_t z = 0; z < mesh.zones.size(); ++z)
     add_surfaces(mesh, z, groups, layout.entities);
   for (std::size_t z = 0; z < mesh.zones.size(); ++z)

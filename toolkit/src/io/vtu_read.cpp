@@ -53,6 +53,9 @@ struct Appended_array
   Index components = 1;
 };
 
+/// Elements of one type in one zone (of cells) or patch (of faces).
+using Owner_and_type = std::pair<Index, Element_type>;
+
 class Vtu_reader
 {
 public:
@@ -64,8 +67,8 @@ public:
     read_arrays();
     check_arrays();
     add_elements();
-    mesh_.zone_names = strings_["zone_names"];
-    for (const std::string& name : strings_["patch_names"])
+    mesh_.zone_names = zone_names_;
+    for (const std::string& name : patch_names_)
       mesh_.patches.push_back({.name = name, .kind = "BCTypeUserDefined", .family = {}, .faces = {}});
     std::vector<std::string> notes;
     Zonal_mesh result = to_zonal_mesh(std::move(mesh_), notes);
@@ -123,7 +126,11 @@ private:
     const std::string name(attribute(line, "Name"));
     if (attribute(line, "type") == "String")
     {
-      strings_[name] = decoded(line.substr(std::min(line.size(), line.find('>') + 1)));
+      const std::string_view codes = line.substr(std::min(line.size(), line.find('>') + 1));
+      if (name == "zone_names")
+        zone_names_ = decoded(codes);
+      else if (name == "patch_names")
+        patch_names_ = decoded(codes);
       return;
     }
     const auto offset = number_of<std::uint64_t>(attribute(line, "offset"));
@@ -178,12 +185,18 @@ private:
       in_.check_count(bytes, 1, fmt::format("bytes of array {}", internal::printable(array.name)));
       if (array.name == "Points")
         read_points(array, bytes);
-      else if (array.name == "connectivity" || array.name == "offsets" || array.name == "pyramid_nodes")
-        integers_[array.name] = read_numbers<std::int64_t>(array, bytes, "Int64");
-      else if (array.name == "types" || array.name == "element_type")
-        bytes_[array.name] = read_numbers<std::uint8_t>(array, bytes, "UInt8");
-      else if (array.name == "zone" || array.name == "patch")
-        shorts_[array.name] = read_numbers<std::int32_t>(array, bytes, "Int32");
+      else if (array.name == "connectivity")
+        connectivity_ = read_numbers<std::int64_t>(array, bytes, "Int64");
+      else if (array.name == "offsets")
+        offsets_ = read_numbers<std::int64_t>(array, bytes, "Int64");
+      else if (array.name == "pyramid_nodes")
+        pyramid_nodes_ = read_numbers<std::int64_t>(array, bytes, "Int64");
+      else if (array.name == "element_type")
+        types_ = read_numbers<std::uint8_t>(array, bytes, "UInt8");
+      else if (array.name == "zone")
+        zones_ = read_numbers<std::int32_t>(array, bytes, "Int32");
+      else if (array.name == "patch")
+        patches_ = read_numbers<std::int32_t>(array, bytes, "Int32");
       else
         in_.skip_bytes(bytes);
     }
@@ -217,16 +230,15 @@ private:
   void check_arrays()
   {
     const auto count = static_cast<std::size_t>(cell_count_);
-    if (integers_["offsets"].size() != count || bytes_["types"].size() != count ||
-        bytes_["element_type"].size() != count || shorts_["zone"].size() != count || shorts_["patch"].size() != count ||
+    if (offsets_.size() != count || types_.size() != count || zones_.size() != count || patches_.size() != count ||
         mesh_.nodes.size() != static_cast<std::size_t>(point_count_))
       in_.fail("lacks arrays of cells or points that recurve writes: VTU files of other programs are not read");
-    if (strings_["zone_names"].empty() || count == 0)
+    if (zone_names_.empty() || count == 0)
       in_.fail("has no zones: the mesh is empty");
-    for (const std::int64_t node : integers_["connectivity"])
+    for (const std::int64_t node : connectivity_)
       if (node < 0 || node >= point_count_)
         in_.fail(fmt::format("the connectivity names point {}, outside 0..{}", node, point_count_ - 1));
-    for (const std::int64_t node : integers_["pyramid_nodes"])
+    for (const std::int64_t node : pyramid_nodes_)
       if (node < 0 || node >= point_count_)
         in_.fail(fmt::format("pyramid_nodes names point {}, outside 0..{}", node, point_count_ - 1));
   }
@@ -234,9 +246,9 @@ private:
   // Elements.
   // ----------------------------------------------------------------------------------------------------------
 
-  Element_type element_type(std::size_t cell)
+  Element_type element_type(std::size_t cell) const
   {
-    const std::uint8_t number = bytes_["element_type"][cell];
+    const std::uint8_t number = types_[cell];
     if (number >= all_element_types.size() || reference_element(all_element_types[number]).dimension < 2)
       in_.fail(fmt::format("cell {}: element type {} is none that recurve writes", cell, number));
     return all_element_types[number];
@@ -261,44 +273,59 @@ private:
 
   void add_elements()
   {
-    const std::vector<std::int64_t>&offsets = integers_["offsets"], &connectivity = integers_["connectivity"];
     std::int64_t begin = 0;
-    for (std::size_t cell = 0; cell < offsets.size(); ++cell)
+    Owner_and_type last = {};
+    std::vector<Index>* nodes = nullptr;
+    std::span<const int> order;
+    for (std::size_t cell = 0; cell < offsets_.size(); ++cell)
     {
-      const std::int64_t end = offsets[cell];
-      if (end < begin || end > static_cast<std::int64_t>(connectivity.size()))
-        in_.fail(fmt::format("cell {}: offset {} outside {}..{}", cell, end, begin, connectivity.size()));
+      const std::int64_t end = offsets_[cell];
+      if (end < begin || end > static_cast<std::int64_t>(connectivity_.size()))
+        in_.fail(fmt::format("cell {}: offset {} outside {}..{}", cell, end, begin, connectivity_.size()));
       const Element_type type = element_type(cell);
       set_degree(cell, type, end - begin);
-      std::vector<Index>& nodes = nodes_for(cell, type);
+      // Neighbours mostly belong together.
+      if (const Owner_and_type key = owner_of(cell, type); nodes == nullptr || key != last)
+      {
+        nodes = &nodes_for(key);
+        order = type == Element_type::pyramid ? order : foreign_of_canonical(Node_order::vtk, type, degree_);
+        last = key;
+      }
       if (type == Element_type::pyramid)
-        take_pyramid(cell, nodes);
+        take_pyramid(cell, *nodes);
       else
-        for (const int foreign : foreign_of_canonical(Node_order::vtk, type, degree_))
-          nodes.push_back(connectivity[static_cast<std::size_t>(begin + foreign)]);
+        for (const int foreign : order)
+          nodes->push_back(connectivity_[static_cast<std::size_t>(begin + foreign)]);
       begin = end;
     }
+    connectivity_ = offsets_ = {};
     drop_extra_points();
   }
 
-  std::vector<Index>& nodes_for(std::size_t cell, Element_type type)
+  /// the zone of a cell or the patch of a face.
+  Owner_and_type owner_of(std::size_t cell, Element_type type) const
   {
-    const Index zone = shorts_["zone"][cell], patch = shorts_["patch"][cell];
-    const auto zones = static_cast<Index>(strings_["zone_names"].size());
-    const auto patches = static_cast<Index>(strings_["patch_names"].size());
+    const Index zone = zones_[cell], patch = patches_[cell];
+    const auto zone_count = static_cast<Index>(zone_names_.size());
+    const auto patch_count = static_cast<Index>(patch_names_.size());
     const bool is_cell = reference_element(type).dimension == 3;
-    if (zone < 0 || zone >= zones || (is_cell ? patch != -1 : patch < 0 || patch >= patches))
+    if (zone < 0 || zone >= zone_count || (is_cell ? patch != -1 : patch < 0 || patch >= patch_count))
       in_.fail(fmt::format("cell {}: zone {} or patch {} does not exist", cell, zone, patch));
+    return {is_cell ? zone : patch, type};
+  }
+
+  /// where the nodes of the elements of a zone or patch go.
+  std::vector<Index>& nodes_for(const Owner_and_type& key)
+  {
+    const auto& [owner, type] = key;
+    const bool is_cell = reference_element(type).dimension == 3;
     auto& groups = is_cell ? mesh_.cells : mesh_.faces;
-    const auto [entry, is_new] = groups_.try_emplace({is_cell ? zone : patch, type}, groups.size());
+    const auto [entry, is_new] = groups_.try_emplace(key, groups.size());
     if (is_new)
     {
       const std::string name(element_name(type));
       groups.push_back(
-        {is_cell ? zone : patch,
-         is_cell ? name : fmt::format("{}_{}", strings_["patch_names"][static_cast<std::size_t>(patch)], name),
-         type,
-         {}});
+        {owner, is_cell ? name : fmt::format("{}_{}", patch_names_[static_cast<std::size_t>(owner)], name), type, {}});
     }
     return groups[entry->second].nodes;
   }
@@ -306,11 +333,10 @@ private:
   /// The nodes of pyramids stand in an array of their own: not all of them are nodes of the hexahedron that VTK gets.
   void take_pyramid(std::size_t cell, std::vector<Index>& nodes)
   {
-    const std::vector<std::int64_t>& all = integers_["pyramid_nodes"];
     const auto width = static_cast<std::size_t>(node_count(Element_type::pyramid, degree_));
-    if (all.size() < next_pyramid_ + width)
+    if (pyramid_nodes_.size() < next_pyramid_ + width)
       in_.fail(fmt::format("cell {}: its nodes are not in the array pyramid_nodes", cell));
-    const auto first = all.begin() + static_cast<std::ptrdiff_t>(next_pyramid_);
+    const auto first = pyramid_nodes_.begin() + static_cast<std::ptrdiff_t>(next_pyramid_);
     nodes.insert(nodes.end(), first, first + static_cast<std::ptrdiff_t>(width));
     next_pyramid_ += width;
   }
@@ -334,11 +360,11 @@ private:
   Index point_count_ = -1, cell_count_ = 0;
   std::uint64_t start_ = 0; ///< of the appended data, in the file
   std::vector<Appended_array> arrays_;
-  std::map<std::string, std::vector<std::string>> strings_;
-  std::map<std::string, std::vector<std::int64_t>> integers_;
-  std::map<std::string, std::vector<std::int32_t>> shorts_;
-  std::map<std::string, std::vector<std::uint8_t>> bytes_;
-  std::map<std::pair<Index, Element_type>, std::size_t> groups_;
+  std::vector<std::string> zone_names_, patch_names_;
+  std::vector<std::int64_t> offsets_, connectivity_, pyramid_nodes_;
+  std::vector<std::uint8_t> types_; ///< of elements
+  std::vector<std::int32_t> zones_, patches_;
+  std::map<Owner_and_type, std::size_t> groups_;
   std::size_t next_pyramid_ = 0;
 };
 

@@ -366,7 +366,8 @@ void list_nodes(Curved_zone& zone, const std::vector<Index>& numbers, std::size_
 {
   zone.nodes = numbers;
   const auto others = zone.nodes.begin() + static_cast<std::ptrdiff_t>(linear_count);
-  std::sort(others, zone.nodes.end());
+  if (!std::is_sorted(others, zone.nodes.end())) // as they are in the first zone
+    std::sort(others, zone.nodes.end());
   zone.nodes.erase(std::unique(others, zone.nodes.end()), zone.nodes.end());
 }
 
@@ -410,6 +411,8 @@ Curved_mesh to_curved_mesh(Zonal_mesh mesh, Read_report* report)
   Curved_mesh result;
   result.degree = mesh.degree;
   result.nodes = joined_points(linear, joined);
+  result.nodes.reserve(std::accumulate(points.begin(), points.end(), std::size_t{0},
+                                       [](std::size_t sum, const auto& list) { return sum + list.size(); }));
   Node_numbering numbering(joined, result, mesh.degree);
   for (std::size_t z = 0; z < linear.zones.size(); ++z)
   {

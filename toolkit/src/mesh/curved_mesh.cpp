@@ -91,6 +91,8 @@ void place_edge_nodes(Element_type type, int degree, std::span<const Index> node
 void place_face_nodes(Element_type face_type, std::span<const int> corners, std::span<const int> numbers, int degree,
                       std::span<const Index> nodes, std::span<const Point> points, std::span<Point> positions)
 {
+  if (interior_node_count(face_type, degree) == 0)
+    return;
   const int count = corner_count(face_type);
   std::array<Index, 4> vertices = {};
   for (int c = 0; c < count; ++c)

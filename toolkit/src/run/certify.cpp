@@ -60,9 +60,14 @@ class Certifying
 {
 public:
   Certifying(Curved_mesh& mesh, std::span<const Node_state> states, const Face_selection& is_boundary,
-             std::span<const std::array<Index, 2>> linked, const Restoration_options& options)
-    : mesh_(mesh), states_(states), is_boundary_(is_boundary), options_(options), cells_(mesh), linked_(linked)
+             std::span<const Periodic_nodes> periodic, const Restoration_options& options)
+    : mesh_(mesh), states_(states), is_boundary_(is_boundary), options_(options), cells_(mesh)
   {
+    for (const Periodic_nodes& nodes : periodic)
+    {
+      linked_.insert(linked_.end(), nodes.pairs.begin(), nodes.pairs.end());
+      periods_.resize(linked_.size(), &nodes.period);
+    }
     result_.bounds = Cell_bounds(cells_.count);
   }
 
@@ -73,14 +78,13 @@ public:
     find_roles();
     node_factors_.resize(mesh_.nodes.size());
     Step_counter steps(progress, "certify", 2 * cells_.count);
-    result_.restoration =
-      restore_validity(mesh_.nodes, straight_, cells_.blocks, mesh_.degree, {roles_, linked_, node_factors_}, options_,
-                       [&](Index block, Index element, const Jacobian_bounds& bounds) {
-                         const auto n = static_cast<std::size_t>(cells_.number(block, element));
-                         result_.bounds.scaled[n] = bounds.scaled;
-                         result_.bounds.verdicts[n] = bounds.verdict;
-                         steps.count();
-                       });
+    result_.restoration = restore_validity(mesh_.nodes, straight_, cells_.blocks, mesh_.degree, about_nodes(), options_,
+                                           [&](Index block, Index element, const Jacobian_bounds& bounds) {
+                                             const auto n = static_cast<std::size_t>(cells_.number(block, element));
+                                             result_.bounds.scaled[n] = bounds.scaled;
+                                             result_.bounds.verdicts[n] = bounds.verdict;
+                                             steps.count();
+                                           });
     result_.is_checked = true;
     result_.excluded = described(result_.restoration.excluded);
     result_.uncertified = described(result_.restoration.uncertified);
@@ -91,6 +95,17 @@ public:
   }
 
 private:
+  Restoration_nodes about_nodes()
+  {
+    Restoration_nodes about{roles_, linked_, node_factors_};
+    about.image = [this](std::size_t pair, const Point& position) {
+      const auto& [node, image] = linked_[pair];
+      return periodic_position(*periods_[pair], straight_[static_cast<std::size_t>(node)],
+                               straight_[static_cast<std::size_t>(image)], position);
+    };
+    return about;
+  }
+
   /// the nodes that were displaced before anything was given up.
   void find_displaced()
   {
@@ -131,6 +146,7 @@ private:
   std::vector<Cell_verdict> described(const std::vector<Block_element>& list) const
   {
     std::vector<Index> numbers;
+    numbers.reserve(list.size());
     for (const Block_element& cell : list)
       numbers.push_back(cells_.number(cell.block, cell.element));
     return describe_cells(mesh_, result_.bounds, numbers);
@@ -225,7 +241,8 @@ private:
   const Face_selection& is_boundary_;
   const Restoration_options& options_;
   Mesh_cells cells_;
-  std::span<const std::array<Index, 2>> linked_;
+  std::vector<std::array<Index, 2>> linked_;
+  std::vector<const Period*> periods_; ///< per linked pair
   std::vector<Point> straight_;
   std::vector<std::uint8_t> is_displaced_;
   std::vector<Node_role> roles_;
@@ -259,10 +276,10 @@ Json json_of_faces(const std::vector<Reduced_face>& faces)
 } // namespace
 
 Certification certify_and_restore(Curved_mesh& mesh, std::span<const Node_state> states,
-                                  const Face_selection& is_boundary, std::span<const std::array<Index, 2>> linked,
+                                  const Face_selection& is_boundary, std::span<const Periodic_nodes> periodic,
                                   const Restoration_options& options, const Progress_callback& progress)
 {
-  return Certifying(mesh, states, is_boundary, linked, options).run(progress);
+  return Certifying(mesh, states, is_boundary, periodic, options).run(progress);
 }
 
 std::vector<Cell_field> cell_fields(const Certification& certification)

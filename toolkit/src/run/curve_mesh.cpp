@@ -233,19 +233,11 @@ private:
     report_.blended_nodes = blend.blended_nodes;
   }
 
-  /// pairs of nodes on the two sides of periodic patches.
-  std::vector<std::array<Index, 2>> linked_nodes() const
-  {
-    std::vector<std::array<Index, 2>> linked;
-    for (const Periodic_nodes& periodic : find_periodic_nodes(curved_, options_.periodic))
-      linked.insert(linked.end(), periodic.pairs.begin(), periodic.pairs.end());
-    return linked;
-  }
-
   void certify()
   {
     report_.certification = run_stage("certify", report_.stages, progress_, [&] {
-      return certify_and_restore(curved_, states_, selection_, linked_nodes(), options_.restoration, progress_);
+      const std::vector<Periodic_nodes> periodic = find_periodic_nodes(curved_, options_.periodic);
+      return certify_and_restore(curved_, states_, selection_, periodic, options_.restoration, progress_);
     });
   }
 

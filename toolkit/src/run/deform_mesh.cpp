@@ -241,15 +241,8 @@ private:
         states_[static_cast<std::size_t>(image)] = states_[static_cast<std::size_t>(node)];
         Point& place = mesh_.nodes[static_cast<std::size_t>(image)];
         place = straight_image;
-        if (!is_displaced(states_[static_cast<std::size_t>(node)]))
-          continue;
-        // Where the straight-sided mesh is periodic to the bit, so is the curved one.
-        const Point displacement = periodic.period.image_of_displacement(difference(position(node), straight));
-        if (periodic.period.image(straight) == straight_image)
-          place = periodic.period.image(position(node));
-        else
-          for (std::size_t d = 0; d < 3; ++d)
-            place[d] += displacement[d];
+        if (is_displaced(states_[static_cast<std::size_t>(node)]))
+          place = periodic_position(periodic.period, straight, straight_image, position(node));
       }
   }
 

@@ -115,7 +115,8 @@ private:
   {
     const auto word = node.value<std::string>();
     if (!word || (*word != first && *word != second))
-      fail(node, fmt::format("expected \"{}\" or \"{}\"", first, second));
+      fail(node, fmt::format("expected \"{}\" or \"{}\", found {}", first, second,
+                             word ? '"' + *word + '"' : std::string("no text")));
     return *word == first;
   }
 

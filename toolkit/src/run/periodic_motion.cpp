@@ -296,6 +296,16 @@ Point Period::image_of_displacement(const Point& displacement) const
   return is_translation ? displacement : turned(rotation, displacement);
 }
 
+Point periodic_position(const Period& period, const Point& straight, const Point& straight_image, const Point& position)
+{
+  if (period.image(straight) == straight_image)
+    return period.image(position);
+  const Point displacement =
+    period.image_of_displacement({position[0] - straight[0], position[1] - straight[1], position[2] - straight[2]});
+  return {straight_image[0] + displacement[0], straight_image[1] + displacement[1],
+          straight_image[2] + displacement[2]};
+}
+
 std::vector<Periodic_nodes> find_periodic_nodes(const Curved_mesh& mesh,
                                                 const std::vector<std::array<std::string, 2>>& named)
 {

@@ -22,6 +22,11 @@ struct Period
   Point image_of_displacement(const Point& displacement) const;
 };
 
+/// where the image of a node belongs that is displaced to `position`: its displacement is the image of the node's; and
+/// where the straight-sided mesh is periodic to the bit, so is the curved one.
+Point periodic_position(const Period& period, const Point& straight, const Point& straight_image,
+                        const Point& position);
+
 /// The nodes of two patches that a period maps to each other.
 struct Periodic_nodes
 {

@@ -60,8 +60,9 @@ struct Feature_options
   bool border_ends = true;
 
   /// whether curves, and long parts of curves, are rejected along which the surface bends no more per length than
-  /// beside them: the edges of a coarse mesh of a smooth surface. Also networks of short curves of that kind, whatever
-  /// their angles: those of a rough surface; and, up to `sharp_angle`, the nose of a profile with few points.
+  /// beside them: the edges of a coarse mesh of a smooth surface. Also, whatever their angles, small networks of that
+  /// kind and those beside which the surface bends back: a rough surface; folds between two rims that are round: a bore
+  /// with few facets; and, up to `sharp_angle`, the nose of a profile with few points.
   bool reject_smooth = true;
 
   /// [theta_c] edges with a dihedral angle above this are safe from `reject_smooth`.

@@ -23,8 +23,8 @@ enum class Rejection
   dangling,     ///< an end fades out or is doubtful in the surface, and the curve has too few strong edges
   doubtful,     ///< both ends are doubtful, and the curve has too few strong edges
   overshadowed, ///< a weak curve, doubtful at an end, between two sharp features: noise beside them
-  smooth,       ///< the surface bends beside the curve as it does along it: a coarse mesh of a smooth surface
-  rough,        ///< one of a network of short curves beside which the surface bends as along them: a rough surface
+  smooth,       ///< the surface bends as much beside the curve, or around its ends: a coarse mesh of a smooth surface
+  rough,        ///< one of a small network beside which the surface bends as along it, or back: a rough surface
 };
 inline constexpr int number_of_rejections = 5;
 

@@ -13,7 +13,7 @@ namespace recurve {
 enum class Msh_version : std::uint8_t
 {
   v2_2, ///< what MFEM reads
-  v4_1  ///< what PyFR and PyHOPE read
+  v4_1  ///< what PyHOPE and, as text, PyFR read
 };
 
 struct Msh_options
@@ -28,8 +28,8 @@ struct Msh_options
 /// - Each zone is a volume entity with a physical group of its name.
 /// - Each patch is a surface entity; the patches of one name share a physical group. Faces in no patch form groups that
 ///   are named like their sections.
-/// - Physical groups have numbers and names of their own through all dimensions, as PyFR wants it: where a zone and a
-///   patch have one name, a number is added. Names are cut to Gmsh's 127 bytes; quotation marks become apostrophes.
+/// - Physical groups have numbers of their own through all dimensions, as PyFR wants it. Names are cut to Gmsh's 127
+///   bytes and quotation marks become apostrophes; what is then one name gets numbers.
 /// - Periodic connections of points become $Periodic links between surface entities.
 ///
 /// Bars, families, kinds of boundary conditions, other connections, units and descriptors have no place in the format.

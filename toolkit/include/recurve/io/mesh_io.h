@@ -34,6 +34,7 @@ enum class Mesh_content : std::uint8_t
 {
   cells,       ///< the volume: surface formats hold the faces of patches only
   zones,       ///< more than one, with names
+  patches,     ///< groups of faces, with names
   bars,        ///< lines
   families,    ///< groups of patches and zones
   kinds,       ///< kinds of boundary conditions
@@ -43,10 +44,10 @@ enum class Mesh_content : std::uint8_t
   descriptors ///< free texts
 };
 
-inline constexpr std::array<Mesh_content, 9> all_mesh_content = {
-  Mesh_content::cells,       Mesh_content::zones, Mesh_content::bars,
-  Mesh_content::families,    Mesh_content::kinds, Mesh_content::connections,
-  Mesh_content::periodicity, Mesh_content::units, Mesh_content::descriptors};
+inline constexpr std::array<Mesh_content, 10> all_mesh_content = {
+  Mesh_content::cells,    Mesh_content::zones,      Mesh_content::patches,     Mesh_content::bars,
+  Mesh_content::families, Mesh_content::kinds,      Mesh_content::connections, Mesh_content::periodicity,
+  Mesh_content::units,    Mesh_content::descriptors};
 
 /// "zones", "kinds of boundary conditions", ...
 std::string_view content_name(Mesh_content content);
@@ -62,6 +63,8 @@ struct Mesh_format
   int largest_degree_read = 0;         ///< 0: cannot be read
   int largest_degree_written = 0;      ///< 0: cannot be written
   std::vector<Mesh_content> content;   ///< what it holds when it is written
+  std::size_t longest_name = 0;        ///< of zones, patches and families, in bytes; 0: any
+  std::string not_in_names;            ///< a character that names cannot have, which is replaced; empty: none
   std::string shortened;               ///< what it holds in part, for the documentation
   std::string versions;                ///< of the format, for the documentation
   std::string readers;                 ///< programs that read what is written, for the documentation
@@ -98,7 +101,8 @@ void check_writable(const std::filesystem::path& file, int degree);
 /// the formats as a table in Markdown: what the README shows.
 std::string format_table();
 
-/// what `mesh` says and `format` does not hold, as one line without the name of a file; empty if nothing is lost.
+/// what `mesh` says and `format` does not hold, names that it has to change among it, as one line without the name of a
+/// file; empty if nothing is lost.
 std::string describe_loss(const Mesh_format& format, const Curved_mesh& mesh);
 
 /// writes a mesh by the extension of `file`, beside the target first and renamed when complete: a failed run leaves no

@@ -4,6 +4,7 @@
 #include <recurve/core/types.h>
 #include <recurve/volume/jacobian_bounds.h>
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -24,9 +25,15 @@ struct Jacobian_history
   std::vector<Jacobian_stage> stages; ///< in the order of the conversion; empty: nobody asked
 };
 
-/// a picture of the histograms of the scaled Jacobian, all stages side by side, counts on a logarithmic scale: SVG.
-/// \throws Input_error if there are no stages.
-std::string histogram_svg(const Jacobian_history& history);
+enum class Picture_format : std::uint8_t
+{
+  svg,
+  png
+};
+
+/// draws the histograms of the scaled Jacobian, all stages side by side, counts on a logarithmic scale. \return the
+/// bytes of the picture's file. \throws Input_error if there are no stages.
+std::string draw_histogram(const Jacobian_history& history, Picture_format format);
 
 } // namespace recurve
 

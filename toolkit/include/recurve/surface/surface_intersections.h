@@ -48,6 +48,7 @@ std::vector<Face_intersection> find_surface_intersections(const Graph& g, const 
   const auto curved = s::intersecting_faces(s::triangles_between_nodes(g, nodes, vertex_points), corners);
   const auto straight = s::intersecting_faces(s::triangles_of_faces(g, vertex_points), corners);
   std::vector<Face_intersection> result;
+  result.reserve(curved.size());
   for (const auto& pair : curved)
     result.push_back({pair.first, pair.second, std::binary_search(straight.begin(), straight.end(), pair)});
   return result;

@@ -55,7 +55,7 @@ struct Deformation_report
   double error_bound = 0;          ///< guaranteed for this field and these points, relative to `largest_given`
   bool is_fast = false;            ///< whether the tree was used
   Index pairs = 0;                 ///< of a source and a target that were summed directly
-  Index translations = 0;          ///< expansions of a cell of sources in a cell of targets
+  Index translations = 0;          ///< expansions of a cell of sources in a cell of targets, or at a single one
 
   Deformation_report& operator+=(const Deformation_report& other)
   {

@@ -5,7 +5,9 @@
 #include <recurve/volume/jacobian_bounds.h>
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 namespace recurve {
@@ -17,6 +19,9 @@ enum class Node_role : std::uint8_t
   follower, ///< on a boundary that keeps its shape and follows the rim of a curved one
   surface   ///< on a curved boundary
 };
+
+/// Where the second node of a linked pair belongs if the first one is at `position`; `pair` is the number of the pair.
+using Linked_image = std::function<Point(std::size_t pair, const Point& position)>;
 
 /// The shares of its displacement that a node may keep. Each vertex, edge, face and cell interior has one of them: its
 /// level. The last one takes it back to where the straight-sided mesh has it, to the bit.
@@ -34,8 +39,8 @@ struct Restoration_options
   /// curvature of the boundary; 0: no such repair.
   int repair_layers = 3;
 
-  /// Largest number of nodes that one repair moves; more of them are left to the factors. A step costs about 10
-  /// microseconds for each node and neighbour.
+  /// Largest number of nodes that one repair moves; more of them are left to the factors. A step costs about a
+  /// microsecond for each.
   Index largest_repair = 200000;
 
   /// Layers of faces and cells around a reduced one that are reduced as well, less and less, so that the surface does
@@ -50,6 +55,7 @@ struct Block_element
   Index element = no_index;
 
   friend bool operator==(const Block_element&, const Block_element&) = default;
+  // NOLINTNEXTLINE(modernize-use-nullptr): false alarm
   friend auto operator<=>(const Block_element&, const Block_element&) = default;
 };
 

@@ -4,6 +4,7 @@
 #include <recurve/core/types.h>
 #include <recurve/volume/bound_jacobian.h>
 #include <recurve/volume/element_block.h>
+#include <recurve/volume/internal/curving_levels.h>
 #include <recurve/volume/internal/point_access.h>
 #include <recurve/volume/internal/restoration.h>
 #include <recurve/volume/restoration_report.h>
@@ -28,6 +29,11 @@ struct Restoration_nodes
 
   /// Result, one per node or empty: the share of its displacement that the node has kept, from 0 to 1.
   std::span<double> factors = {};
+
+  /// Where the second node of a linked pair belongs if the first one is at a position: there it goes when both keep a
+  /// part of their displacement, so that the two sides stay congruent to the bit. Without it each node goes along its
+  /// own line, and rounding may differ. Called from several threads.
+  Linked_image image = {};
 };
 
 /// makes every cell of a curved mesh certified valid whose straight-sided cell is, by giving up as little curvature as
@@ -67,11 +73,14 @@ Restoration_report restore_validity(Points&& nodes, const Straight& straight, co
                                     const Visit& visit = {})
 {
   std::vector<Element_block> views;
+  if constexpr (std::ranges::sized_range<const Blocks>)
+    views.reserve(std::ranges::size(blocks));
   for (const auto& block : blocks)
     views.push_back({block.type, std::span<const Index>(block.nodes)});
   internal::check_restoration(views, degree, std::ranges::size(nodes), std::ranges::size(straight), about.roles.size(),
                               about.factors.size(), about.linked, options);
-  internal::Restoration restoration(nodes, straight, views, degree, about.roles, about.linked, options, visit);
+  internal::Restoration restoration(nodes, straight, views, degree, about.roles, {about.linked, about.image}, options,
+                                    visit);
   Restoration_report report = restoration.run();
   for (std::size_t n = 0; n < about.factors.size(); ++n)
     about.factors[n] = restoration.factor(static_cast<Index>(n));

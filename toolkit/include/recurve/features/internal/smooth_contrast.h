@@ -39,7 +39,77 @@ public:
     return beside > 0 ? rate(e) / beside : std::numeric_limits<double>::infinity();
   }
 
+  /// bending per length at the edge `e` over the largest beside it, of edges not in `left_out`, also beyond sharp ones.
+  double to_others(Index e, const std::vector<char>& left_out)
+  {
+    double beside = 0;
+    for (const Index h : {2 * e, 2 * e + 1})
+    {
+      const Rates rates = rates_of_others(h, left_out);
+      beside = std::max({beside, rates.most, -rates.least});
+    }
+    return beside > 0 ? rate(e) / beside : std::numeric_limits<double>::infinity();
+  }
+
+  /// How the surface bends beside an edge.
+  struct Sides
+  {
+    int count = 0;        ///< sides with edges to look at
+    double bent_back = 0; ///< their sum: bending the other way, per length, as a part of that at the edge
+  };
+
+  /// looks at the edges beside `e` that are not in `left_out`. Noise bends back, and waves do; beside a crease of a
+  /// smooth surface it goes on. No side counts for more than `most`.
+  Sides look_aside(Index e, double most, const std::vector<char>& left_out)
+  {
+    Sides sides;
+    for (const Index h : {2 * e, 2 * e + 1})
+      if (const Rates rates = rates_of_others(h, left_out); !rates.is_empty())
+      {
+        ++sides.count;
+        sides.bent_back += std::clamp((is_convex(e) ? -rates.least : rates.most) / rate(e), 0., most);
+      }
+    return sides;
+  }
+
 private:
+  /// The range of rates of some edges: positive where the surface is convex, negative where it is concave.
+  struct Rates
+  {
+    double least = std::numeric_limits<double>::infinity(), most = -std::numeric_limits<double>::infinity();
+    bool is_empty() const { return least > most; }
+  };
+
+  bool is_convex(Index e) const
+  {
+    return dot(cross(a_.normal[s_.face[2 * e]], a_.normal[s_.face[2 * e + 1]]), direction(s_, 2 * e)) > 0;
+  }
+
+  /// the rates of those edges beside `h`, within two faces on its side, that are neither pinned nor in `left_out`, each
+  /// as far as it runs along `h`.
+  Rates rates_of_others(Index h, const std::vector<char>& left_out)
+  {
+    const auto is_out = [&](Index e) { return a_.is_pinned[e] || left_out[e]; };
+    gather_faces(h, is_out);
+    const Vector along = direction(s_, h);
+    Rates rates;
+    for (const Index f : faces_)
+    {
+      Index g = s_.face_halfedge[f];
+      do
+      {
+        if (g / 2 != h / 2 && !is_out(g / 2))
+        {
+          const double r = rate(g / 2) * std::abs(dot(direction(s_, g), along));
+          rates.least = std::min(rates.least, is_convex(g / 2) ? r : -r);
+          rates.most = std::max(rates.most, is_convex(g / 2) ? r : -r);
+        }
+        g = s_.next[g];
+      } while (g != s_.face_halfedge[f]);
+    }
+    return rates;
+  }
+
   bool is_barrier(Index e) const { return a_.is_pinned[e] || a_.dihedral[e] > sharp_angle_; }
 
   double distance_to_line(const Point& p, Index h, const Vector& along) const
@@ -69,7 +139,7 @@ private:
   template <class Predicate>
   double rate_beside(Index h, Predicate is_taken)
   {
-    gather_faces(h);
+    gather_faces(h, [&](Index e) { return is_barrier(e); });
     const Vector along = direction(s_, h);
     const double least_distance = height(h) / 2;
     double most = 0;
@@ -101,9 +171,10 @@ private:
   }
 
   /// the face of `h`, and if it is a triangle, those at most two steps from it that can be reached over triangles
-  /// without crossing `h` or a barrier. So the next row of faces is seen whether quadrangles are split or not, and what
-  /// lies beyond it is not.
-  void gather_faces(Index h)
+  /// without crossing `h` or an edge that `is_end`. So the next row of faces is seen whether quadrangles are split or
+  /// not, and what lies beyond it is not.
+  template <class Predicate>
+  void gather_faces(Index h, Predicate is_end)
   {
     faces_.assign(1, s_.face[h]);
     std::size_t done = 0;
@@ -118,7 +189,7 @@ private:
         Index g = first;
         do
         {
-          const bool is_open = g / 2 != h / 2 && !is_barrier(g / 2);
+          const bool is_open = g / 2 != h / 2 && !is_end(g / 2);
           if (is_open && std::find(faces_.begin(), faces_.end(), s_.face[g ^ 1]) == faces_.end())
             faces_.push_back(s_.face[g ^ 1]);
           g = s_.next[g];

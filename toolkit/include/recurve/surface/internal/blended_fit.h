@@ -34,7 +34,7 @@ public:
       for (int j = 0; j < count_; ++j)
         if (i != j)
         {
-          residuals_[i][j] = way(i, fits_[j]->origin, direction_at(j));
+          residuals_[i][j] = residual(*fits_[i], fits_[j]->origin);
           longest_side_ = std::max(longest_side_, length(subtract(fits_[j]->origin, fits_[i]->origin)));
         }
   }
@@ -119,21 +119,29 @@ private:
     return std::isfinite(result) ? result : 0;
   }
 
+  /// from `x` to the surface of a fit, along the fit's own normal: other corners may have normals that are far from it.
+  static double residual(const Vertex_fit& fit, const Point& x)
+  {
+    if (fit.state != Vertex_fit_state::curved)
+      return 0;
+    const Point local = fit.local_coordinates(x);
+    return fit.height(local[0], local[1]) - local[2];
+  }
+
   double corrected_way(int corner, const Point& x, const Point& direction, std::span<const double> weights) const
   {
-    if (fits_[corner]->state != Vertex_fit_state::curved)
-      return 0;
-    double result = way(corner, x, direction);
+    double shift = 0;
     for (int j = 0; j < count_; ++j)
-      result -= weights[static_cast<std::size_t>(j)] * residuals_[corner][j];
-    return result;
+      shift += weights[static_cast<std::size_t>(j)] * residuals_[corner][j];
+    return way(corner, add(x, scaled(shift, direction_at(corner))), direction);
   }
 
   int count_ = 0;
   bool is_flat_ = true;
   double longest_side_ = 0; ///< or diagonal
   std::array<const Vertex_fit*, 4> fits_ = {};
-  std::array<std::array<double, 4>, 4> residuals_ = {}; ///< [i][j]: from corner j to the surface of fit i
+  std::array<std::array<double, 4>, 4> residuals_ =
+    {}; ///< [i][j]: from corner j to the surface of fit i, along its normal
 };
 
 } // namespace recurve::internal::surface

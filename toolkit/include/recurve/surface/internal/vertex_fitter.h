@@ -318,6 +318,8 @@ private:
       if (!(std::abs(own) <= bounds_.largest_displacement * edge_length))
         return {Lowering_reason::displacement, false};
       const double estimate = estimated_displacement(*surface_, vertex, neighbor);
+      if (own * estimate < 0 && std::min(std::abs(own), std::abs(estimate)) > harmless_parabola * edge_length)
+        return {Lowering_reason::disagreement, false}; // bent the other way than the normals at both ends say
       const double negligible = bend.negligible_displacement(edge_length);
       if (std::abs(own - estimate) <= negligible)
         continue;

@@ -17,15 +17,24 @@
 
 namespace recurve::internal {
 
+/// Pairs of nodes that keep the same share of their displacement, and where the second one of a pair belongs.
+struct Linked_nodes
+{
+  std::span<const std::array<Index, 2>> pairs;
+  const Linked_image& image;
+};
+
 /// The nodes between their straight and their fully curved positions: who has lost how much.
 template <class Points, class Straight>
 class Curving_levels
 {
 public:
-  Curving_levels(Points& nodes, const Straight& straight, std::span<const std::array<Index, 2>> linked)
+  Curving_levels(Points& nodes, const Straight& straight, const Linked_nodes& linked)
     : nodes_(nodes), straight_(straight), linked_(linked), levels_(std::ranges::size(nodes)),
       changed_(std::ranges::size(nodes))
-  {}
+  {
+    find_leaders();
+  }
 
   Point straight(Index node) const { return coordinates(std::ranges::begin(straight_)[node]); }
   Point current(Index node) const { return coordinates(std::ranges::begin(nodes_)[node]); }
@@ -49,15 +58,19 @@ public:
   }
   double factor(Index node) const { return factor(node, level(node)); }
 
-  /// where the node stands at a level. A coordinate that both positions share is theirs, to the bit.
+  /// where the node stands at a level. A coordinate that both positions share is theirs, to the bit. The image of
+  /// another node goes with that one.
   Point position(Index node, std::uint8_t level) const
   {
     const Point from = straight(node), to = full(node);
     const double share = factor(node, level);
     if (share == 1)
       return to;
-    if (share == 0)
+    if (share == 0 || from == to)
       return from;
+    if (const auto pair = leader_.find(node); pair != leader_.end())
+      if (const Index first = linked_.pairs[pair->second][0]; is_displaced(first))
+        return linked_.image(pair->second, position(first, level));
     Point result;
     for (std::size_t d = 0; d < 3; ++d)
       result[d] = from[d] + share * (to[d] - from[d]);
@@ -129,6 +142,28 @@ public:
   }
 
 private:
+  /// of several pairs with the same image the last one leads. Periods in three directions make chains of three; what
+  /// is much longer may be a circle, and is cut.
+  void find_leaders()
+  {
+    if (!linked_.image)
+      return;
+    for (std::size_t pair = 0; pair < linked_.pairs.size(); ++pair)
+      leader_[linked_.pairs[pair][1]] = pair;
+    constexpr int longest_chain = 8;
+    for (const auto& [first, image] : linked_.pairs)
+    {
+      int links = 0;
+      for (auto found = leader_.find(image); found != leader_.end();
+           found = leader_.find(linked_.pairs[found->second][0]))
+        if (++links > longest_chain)
+        {
+          leader_.erase(image);
+          break;
+        }
+    }
+  }
+
   void mark(Index node)
   {
     if (std::exchange(changed_[static_cast<std::size_t>(node)], std::uint8_t(1)) == 0)
@@ -146,7 +181,7 @@ private:
     for (bool is_settled = false; !is_settled;)
     {
       is_settled = true;
-      for (const auto& [a, b] : linked_)
+      for (const auto& [a, b] : linked_.pairs)
       {
         const std::uint8_t common = std::max(level(a), level(b));
         is_settled = is_settled && level(a) == common && level(b) == common;
@@ -162,11 +197,12 @@ private:
 
   Points& nodes_;
   const Straight& straight_;
-  std::span<const std::array<Index, 2>> linked_;
+  Linked_nodes linked_;
   std::vector<std::uint8_t> levels_, changed_;
   std::vector<Index> changes_;
-  std::unordered_map<Index, Point> full_;   ///< of nodes that are or were reduced
-  std::unordered_map<Index, double> fades_; ///< share that is kept beside what the levels take; 1 where absent
+  std::unordered_map<Index, std::size_t> leader_; ///< of an image: the pair that says where it goes
+  std::unordered_map<Index, Point> full_;         ///< of nodes that are or were reduced
+  std::unordered_map<Index, double> fades_;       ///< share that is kept beside what the levels take; 1 where absent
 };
 
 } // namespace recurve::internal

@@ -125,6 +125,7 @@ private:
   // sources and an expansion's work by enough targets; so few that cells are small compared with their distances.
   static constexpr Index target_capacity = 64;
   static constexpr Index source_capacity = 160;
+  static constexpr Index source_capacity_in_doubles = 256; // a moment takes twice the memory
 
   I influence_;
   Summation_options options_;
@@ -201,9 +202,10 @@ Deformation_field<I>::Deformation_field(const Positions& positions, I influence,
   is_fast_ =
     Expandable_influence<I> && (options_.method == Summation::fast ||
                                 (options_.method == Summation::automatic && faster_summation(n, n) == Summation::fast));
+  const bool keeps_floats = is_fast_ && Fast_sum<I>::uses_floats(options_.error_bound);
   field_ =
     Source_field(std::move(sources), relative_weights(weights), is_fast_ ? expansion_degree(options_.error_bound) : -1,
-                 is_fast_ && Fast_sum<I>::uses_floats(options_.error_bound), source_capacity);
+                 keeps_floats, keeps_floats ? source_capacity : source_capacity_in_doubles);
 }
 
 template <class I>
@@ -340,7 +342,7 @@ template <class I>
 template <class Emit>
 Sum_tally Deformation_field<I>::sum_fast(std::vector<Numbered_point> targets, const Emit& emit) const
 {
-  const Point_tree tree(std::move(targets), target_capacity);
+  const Point_tree tree(std::move(targets), target_capacity, Fast_sum<I>::group_size);
   return Fast_sum<I>(field_, influence_, options_.error_bound, tree)(emit);
 }
 

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstddef>
 #include <map>
+#include <set>
 #include <span>
 #include <vector>
 
@@ -34,7 +35,7 @@ struct Fade_ball
 };
 
 /// Many balls of any sizes, to be asked which factor they give to a point: the smallest. Balls of similar size share a
-/// grid whose cells are as wide as they are.
+/// grid whose cells are wider than they are, so that each is listed in the cells of the corners of its box.
 class Fade_balls
 {
 public:
@@ -44,7 +45,8 @@ public:
       if (balls_[b].radius > 0)
       {
         const int size = std::ilogb(4 * balls_[b].radius) + 1;
-        grids_[size][place(balls_[b].center, size)].push_back(b);
+        for (const Place& at : places(balls_[b], size))
+          grids_[size][at].push_back(b);
       }
   }
 
@@ -52,14 +54,9 @@ public:
   {
     double factor = 1;
     for (const auto& [size, grid] : grids_)
-    {
-      const Place center = place(p, size);
-      for (int n = 0; n < 27; ++n)
-        if (const auto found = grid.find({center[0] + n % 3 - 1, center[1] + n / 3 % 3 - 1, center[2] + n / 9 - 1});
-            found != grid.end())
-          for (const std::size_t b : found->second)
-            factor = std::min(factor, balls_[b].factor_at(p));
-    }
+      if (const auto found = grid.find(place(p, size)); found != grid.end())
+        for (const std::size_t b : found->second)
+          factor = std::min(factor, balls_[b].factor_at(p));
     return factor;
   }
 
@@ -70,6 +67,20 @@ private:
   {
     return {std::floor(std::ldexp(p[0], -size)), std::floor(std::ldexp(p[1], -size)),
             std::floor(std::ldexp(p[2], -size))};
+  }
+
+  /// of the corners of the box about what the ball scales; each once.
+  static std::set<Place> places(const Fade_ball& ball, int size)
+  {
+    std::set<Place> result;
+    for (int corner = 0; corner < 8; ++corner)
+    {
+      Point p = ball.center;
+      for (std::size_t d = 0; d < 3; ++d)
+        p[d] += (corner >> d & 1) != 0 ? 2 * ball.radius : -2 * ball.radius;
+      result.insert(place(p, size));
+    }
+    return result;
   }
 
   std::vector<Fade_ball> balls_;

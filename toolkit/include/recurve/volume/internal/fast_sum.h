@@ -7,6 +7,7 @@
 #include <recurve/volume/internal/point_tree.h>
 #include <recurve/volume/internal/simd_kernels.h>
 #include <recurve/volume/internal/source_field.h>
+#include <recurve/volume/internal/sum_budget.h>
 #include <recurve/volume/internal/summation_kernels.h>
 
 #include <tbb/cache_aligned_allocator.h>
@@ -16,6 +17,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <span>
 #include <utility>
 #include <vector>
@@ -26,7 +28,7 @@ namespace recurve::internal {
 struct Sum_tally
 {
   Index pairs = 0;        ///< of a source and a target, summed directly
-  Index translations = 0; ///< of a cell of sources to a cell of targets
+  Index translations = 0; ///< of a cell of sources to a cell of targets, or to one target
   double error = 0;       ///< guaranteed bound of the largest error
 
   Sum_tally& operator+=(const Sum_tally& other)
@@ -41,16 +43,16 @@ struct Sum_tally
 /// A fast multipole method for quotients: s(r) = sum w s_i / sum w at many targets.
 ///
 /// Sources and targets are sorted into trees. A cell of sources far enough from a cell of targets is expanded in a
-/// Taylor series about both centers, truncated at a common total degree; the rest is summed directly. Since all weights
-/// are positive and no |s_i| exceeds 1, an error e of the sum of weights (and of each weighted displacement) is an
-/// error of at most 2 e / sum w of the quotient. So each cell of targets may spend `tolerance / 2` times a lower bound
-/// of its sum of weights: part of it goes to all source cells in proportion to their own weights, part where it saves
-/// most, to cells that are far and many but weigh little, and the rest to the nearest. What is spent is bounded
-/// strictly and counted.
+/// Taylor series about both centers, truncated at a common total degree; one that is nearer, or to few targets, about
+/// its own center only, at each target; the rest is summed directly. What may be expanded is for the `Sum_budget` to
+/// say.
 template <class I>
 class Fast_sum
 {
 public:
+  /// Successive targets of a leaf that have to be near each other: they fill a vector of floats of any width.
+  static constexpr Index group_size = 16;
+
   /// Rounding of pairs that are summed in single precision, at most; relative like the tolerance.
   static constexpr double float_rounding = 1e-5;
 
@@ -65,8 +67,8 @@ public:
 
   /// \param tolerance  the largest error allowed, relative to the largest displacement of a source.
   Fast_sum(const Source_field& sources, const I& influence, double tolerance, const Point_tree& targets)
-    : sources_(sources), targets_(targets), influence_(influence), kernels_(influence),
-      uses_floats_(uses_floats(tolerance)), tolerance_(uses_floats_ ? tolerance - float_rounding : tolerance)
+    : sources_(sources), targets_(targets), kernels_(influence), uses_floats_(uses_floats(tolerance)),
+      budget_(sources, influence, uses_floats_ ? tolerance - float_rounding : tolerance, uses_floats_)
   {}
 
   /// calls `emit(points, x, y, z)` for each leaf of the targets, with arrays of the displacements of its points; from
@@ -80,28 +82,27 @@ public:
 private:
   using Node = Point_tree::Node;
 
+  /// A cell of sources that is expanded.
   struct Cell
   {
     Index node;
     int degree;
   };
 
-  /// What a cell of targets knows about the sum of weights at its targets, and about what has been spent of it.
-  struct Account
+  /// Targets of a leaf that are next to each other, for which together it is decided what to do with what is near.
+  struct Group
   {
-    double lowest = 0;   ///< lower bound of the sum of all weights
-    double expanded = 0; ///< lower bound of the part that is in expansions
-    double error = 0;    ///< bound of the error of the sum
+    Node box;  ///< its points are numbered from the first one of the leaf
+    Sums sums; ///< of its targets
+    Account account;
+    std::vector<Index> candidates; ///< source cells that may be expanded at each target
   };
 
-  /// What it would mean to expand a source cell in a cell of targets.
-  struct Offer
+  /// What a source cell costs at each target of a group, in directly summed pairs.
+  struct Price
   {
-    Index node;
-    double own;     ///< lower bound of the source cell's weight at any of the targets
-    double typical; ///< its weight at the center
-    double distance, mean_radius, radii;
-    double error; ///< bound of the error at the full degree
+    double per_target;
+    bool is_expanded; ///< else summed
   };
 
   /// One cell of targets, as its parent hands it down.
@@ -134,13 +135,16 @@ private:
   /// Room for the work on one cell, reused from cell to cell.
   struct Scratch
   {
-    std::vector<Index> stack, direct;
-    std::vector<Cell> expanded;
-    std::vector<Offer> pending;
+    std::vector<Index> stack;
+    std::vector<Cell> expanded;  ///< about the center of the targets
+    std::vector<Offer> pending;  ///< could be, but for the error
+    std::vector<Index> near;     ///< left to the groups, since the center is too near
+    std::vector<Index> rejected; ///< left to them for other reasons
+    std::vector<Group> groups;   ///< of a leaf
     Translation_room<double> doubles;
     Translation_room<float> floats;
     Aligned_vector<double> coordinates, sums;
-    Aligned_vector<float> float_targets;
+    alignas(64) std::array<float, 3 * group_size> float_targets;
   };
 
   template <class Emit>
@@ -148,15 +152,16 @@ private:
   template <class Emit>
   Sum_tally visit_leaf(Task& task, Scratch& scratch, const Emit& emit) const;
 
-  void raise_lowest(const Node& target, std::span<const Index> candidates, double known, Account& account,
-                    std::vector<Index>& stack) const;
-  bool make_offer(const Node& target, Index source, Offer& offer) const;
-  double share(const Offer& offer, const Account& account) const;
-  double left(const Offer& offer, const Account& account) const;
-  int accept(const Offer& offer, double allowed, Account& account) const;
   std::vector<Index> sort_candidates(Task& task, Scratch& scratch) const;
   void split_near(Task& task, Scratch& scratch) const;
+  Price price_for_groups(const Node& target, Index source, Account account) const;
   void sort_leaf_candidates(Task& task, Scratch& scratch) const;
+  void sort_pending(double lanes_filled, Task& task, Scratch& scratch) const;
+
+  Sums prepare_leaf(const Node& target, Scratch& scratch) const;
+  void prepare_groups(const Node& target, const Sums& sums, Scratch& scratch) const;
+  Sum_tally sum_nearest(Group& group, Scratch& scratch) const;
+  Sum_tally sum_near(Group& group, Scratch& scratch) const;
 
   static double expansion_unit(const Node& target, const Node& source);
   void move_local(const Point& center, Task& task) const;
@@ -165,27 +170,27 @@ private:
   void add_expanded(const Node& target, std::span<const Cell> cells, Translation_room<Real>& room, Task& task) const;
   template <class Real>
   void translate(const Node& target, std::span<const Cell> cells, Translation_room<Real>& room) const;
-
-  Sums prepare_leaf(const Node& target, Scratch& scratch) const;
-  Index sum_direct(const Node& target, Scratch& scratch, const Sums& sums) const;
-  bool is_float_safe(const Node& target, const Node& source) const;
+  void add_at_targets(const Cell& cell, const Group& group, Scratch& scratch) const;
+  template <class Real>
+  void add_at_targets(const Cell& cell, const Group& group, const Scratch& scratch, Translation_room<Real>& room) const;
+  Index add_direct(Index leaf, const Group& group, Scratch& scratch) const;
 
   // A subtree with fewer targets is not worth a task.
   static constexpr Index parallel_size = 2048;
-
-  // Radii that add up to more than this part of the distance let the series converge too slowly to be considered.
-  static constexpr double largest_ratio = 0.5;
 
   // What the translation of one cell costs, by degree, in directly summed pairs (measured).
   static constexpr std::array<Index, max_expansion_degree + 1> translation_cost = {30,  40,  60,   90,   160, 300,
                                                                                    560, 900, 1450, 2250, 3500};
 
+  // What the expansion of one cell at one target costs, likewise.
+  static constexpr std::array<Index, max_expansion_degree + 1> cost_at_target = {20,  24,  32,  44,  60, 86,
+                                                                                 124, 175, 245, 335, 450};
+
   const Source_field& sources_;
   const Point_tree& targets_;
-  const I& influence_;
   Summation_kernels<I> kernels_;
   bool uses_floats_;
-  double tolerance_;
+  Sum_budget<I> budget_;
   const Expansion_table& table_ = Expansion_table::instance();
   mutable tbb::enumerable_thread_specific<Scratch> scratch_;
 };
@@ -202,7 +207,8 @@ Sum_tally Fast_sum<I>::visit(Task task, const Emit& emit) const
     Scratch& scratch = scratch_.local();
     if (targets_.is_leaf(task.node))
       return visit_leaf(task, scratch, emit);
-    raise_lowest(target, task.candidates, task.account.expanded, task.account, scratch.stack);
+    task.account.lowest = std::max(
+      task.account.lowest, task.account.expanded + budget_.lowest_weight(target, task.candidates, scratch.stack));
     std::vector<Index> undecided = sort_candidates(task, scratch);
     tally.translations = static_cast<Index>(scratch.expanded.size());
     move_local(target.center, task);
@@ -229,17 +235,28 @@ Sum_tally Fast_sum<I>::visit_leaf(Task& task, Scratch& scratch, const Emit& emit
 {
   const Node& target = targets_.node(task.node);
   const Sums sums = prepare_leaf(target, scratch);
+  Sum_tally tally;
 
   // What is too close to be expanded in any case comes first: then it is known how much weight there is at least.
   split_near(task, scratch);
-  Sum_tally tally;
-  tally.pairs = sum_direct(target, scratch, sums);
-  const double near = (1 - float_rounding) * *std::min_element(sums.weight, sums.weight + target.size());
-  raise_lowest(target, task.candidates, task.account.expanded + near, task.account, scratch.stack);
-  sort_leaf_candidates(task, scratch);
-  tally.pairs += sum_direct(target, scratch, sums);
+  const double far = task.account.expanded + budget_.lowest_weight(target, task.candidates, scratch.stack);
+  double lowest = std::numeric_limits<double>::infinity();
+  for (Group& group : scratch.groups)
+  {
+    tally += sum_nearest(group, scratch);
+    group.account.lowest += far;
+    lowest = std::min(lowest, group.account.lowest);
+  }
+  task.account.lowest = std::max(task.account.lowest, lowest);
 
-  tally.translations = static_cast<Index>(scratch.expanded.size());
+  sort_leaf_candidates(task, scratch);
+  tally.translations += static_cast<Index>(scratch.expanded.size());
+  for (Group& group : scratch.groups)
+  {
+    group.account = {std::max(task.account.lowest, group.account.lowest), task.account.expanded, task.account.error};
+    tally += sum_near(group, scratch);
+  }
+
   move_local(target.center, task);
   add_expanded(target, scratch, task);
   const std::size_t n = scratch.coordinates.size() / 6;
@@ -247,11 +264,6 @@ Sum_tally Fast_sum<I>::visit_leaf(Task& task, Scratch& scratch, const Emit& emit
   if (!task.local.empty())
     kernels_.common().add_local(table_, sources_.degree(), task.local.data(),
                                 {relative, relative + n, relative + 2 * n}, static_cast<Index>(n), sums);
-
-  if (task.account.error > 0)
-    tally.error = 2 * task.account.error / std::max(task.account.lowest, task.account.expanded);
-  if (uses_floats_)
-    tally.error += float_rounding;
   for (Index m = 0; m < target.size(); ++m)
   {
     const double quotient = sums.weight[m] > 0 ? 1 / sums.weight[m] : 0;
@@ -262,97 +274,6 @@ Sum_tally Fast_sum<I>::visit_leaf(Task& task, Scratch& scratch, const Emit& emit
   emit(targets_.points().subspan(static_cast<std::size_t>(target.begin), static_cast<std::size_t>(target.size())),
        sums.x, sums.y, sums.z);
   return tally;
-}
-
-/// improves the lower bound of the sum of weights in a cell of targets: `known` plus what the candidates weigh, at
-/// least.
-template <class I>
-void Fast_sum<I>::raise_lowest(const Node& target, std::span<const Index> candidates, double known, Account& account,
-                               std::vector<Index>& stack) const
-{
-  // Opened until the nearest and the farthest point of a cell weigh about the same.
-  constexpr double small_ratio = 0.25;
-
-  double sum = known;
-  stack.assign(candidates.begin(), candidates.end());
-  while (!stack.empty())
-  {
-    const Index s = stack.back();
-    stack.pop_back();
-    const Node& source = sources_.tree().node(s);
-    const double squared = squared_span(target, source);
-    if (squared > 0 &&
-        (source.radius * source.radius < small_ratio * small_ratio * squared || sources_.tree().is_leaf(s)))
-      sum += sources_.weight(s) * influence_(squared);
-    else if (!sources_.tree().is_leaf(s))
-      stack.insert(stack.end(), {2 * s + 1, 2 * s + 2});
-  }
-  account.lowest = std::max(account.lowest, sum);
-}
-
-/// computes what it would mean to expand a source cell; false if it is too close.
-template <class I>
-bool Fast_sum<I>::make_offer(const Node& target, Index number, Offer& offer) const
-{
-  const Node& source = sources_.tree().node(number);
-  const double squared = squared_distance(target.center, source.center);
-  const double radii = target.radius + source.radius;
-  if (radii * radii >= largest_ratio * largest_ratio * squared)
-    return false;
-  const double distance = std::sqrt(squared), weight = sources_.weight(number);
-  offer.node = number;
-  offer.own = weight * influence_((distance + radii) * (distance + radii));
-  offer.typical = weight * influence_(squared);
-  offer.distance = distance;
-  offer.mean_radius = target.radius + sources_.mean_radius(number);
-  offer.radii = radii;
-  offer.error = weight * influence_.remainder(distance, offer.mean_radius, radii, sources_.degree());
-  return true;
-}
-
-/// the error that a cell may make regardless of what others need: a part in proportion to its own weight, and a share
-/// of the other half of the budget.
-template <class I>
-double Fast_sum<I>::share(const Offer& offer, const Account& account) const
-{
-  // Cells of one size at one distance from the targets form a ring. Work is least if the rings get error in proportion
-  // to a small power of their weights; it fades slowly, so that there are effectively six of them.
-  constexpr double part_of_ring = 0.5;
-
-  const double cells_in_ring = 4 * offer.distance * offer.distance / (offer.radii * offer.radii);
-  const double weight_of_ring = std::min(1.0, offer.typical * cells_in_ring / account.lowest);
-  return tolerance_ / 4 *
-         (offer.own + part_of_ring * account.lowest * std::sqrt(std::sqrt(weight_of_ring)) / cells_in_ring);
-}
-
-/// what may still be spent: the errors of all cells stay within tolerance / 2 times the sum of weights at each target.
-template <class I>
-double Fast_sum<I>::left(const Offer& offer, const Account& account) const
-{
-  return tolerance_ / 2 * std::max(account.expanded + offer.own, account.lowest) - account.error;
-}
-
-/// the lowest degree whose error is allowed, which is charged to the account; -1 if there is none.
-template <class I>
-int Fast_sum<I>::accept(const Offer& offer, double allowed, Account& account) const
-{
-  allowed = std::min(allowed, left(offer, account));
-  if (!(offer.error <= allowed))
-    return -1;
-  int degree = sources_.degree();
-  double error = offer.error;
-  const double weight = sources_.weight(offer.node);
-  while (degree > 0)
-  {
-    const double next = weight * influence_.remainder(offer.distance, offer.mean_radius, offer.radii, degree - 1);
-    if (!(next <= allowed))
-      break;
-    error = next;
-    --degree;
-  }
-  account.expanded += offer.own;
-  account.error += error;
-  return degree;
 }
 
 /// decides for each candidate of an inner cell, and for the cells below it, whether it is expanded or left to the
@@ -370,7 +291,9 @@ std::vector<Index> Fast_sum<I>::sort_candidates(Task& task, Scratch& scratch) co
   {
     const Index s = scratch.stack.back();
     scratch.stack.pop_back();
-    const int degree = make_offer(target, s, offer) ? accept(offer, share(offer, task.account), task.account) : -1;
+    const int degree = budget_.make_offer(target, s, offer)
+                         ? budget_.accept(offer, budget_.share(offer, task.account), task.account)
+                         : -1;
     if (degree >= 0)
       scratch.expanded.push_back({s, degree});
     else if (!tree.is_leaf(s) && tree.node(s).radius > target.radius)
@@ -381,70 +304,95 @@ std::vector<Index> Fast_sum<I>::sort_candidates(Task& task, Scratch& scratch) co
   return undecided;
 }
 
-/// moves the candidates of a leaf that are too close to be expanded to `scratch.direct`.
+/// moves the candidates of a leaf that are too close to be expanded about its center to `scratch.near`.
 template <class I>
 void Fast_sum<I>::split_near(Task& task, Scratch& scratch) const
 {
   const Node& target = targets_.node(task.node);
   const Point_tree& tree = sources_.tree();
   std::vector<Index> others;
-  scratch.direct.clear();
+  scratch.near.clear();
   scratch.stack.assign(task.candidates.rbegin(), task.candidates.rend());
   while (!scratch.stack.empty())
   {
     const Index s = scratch.stack.back();
     scratch.stack.pop_back();
-    const double radii = target.radius + tree.node(s).radius;
-    if (radii * radii < largest_ratio * largest_ratio * squared_distance(target.center, tree.node(s).center))
+    if (budget_.is_expandable(target, tree.node(s)))
       others.push_back(s);
-    else if (tree.is_leaf(s))
-      scratch.direct.push_back(s);
-    else
+    else if (!tree.is_leaf(s) && tree.node(s).radius > target.radius)
       scratch.stack.insert(scratch.stack.end(), {2 * s + 2, 2 * s + 1});
+    else
+      scratch.near.push_back(s);
   }
   task.candidates = std::move(others);
 }
 
-/// decides for the other candidates of a leaf whether they are expanded or summed directly.
+/// what a source cell would cost the groups of a leaf.
+template <class I>
+typename Fast_sum<I>::Price Fast_sum<I>::price_for_groups(const Node& target, Index source, Account account) const
+{
+  const Price direct = {static_cast<double>(sources_.tree().node(source).size()), false};
+  Offer offer;
+  if (!budget_.make_offer_at_targets(target, source, offer))
+    return direct;
+  const int degree = budget_.accept(offer, budget_.share(offer, account), account);
+  if (degree < 0)
+    return direct;
+  const Price expanded = {static_cast<double>(cost_at_target[static_cast<std::size_t>(degree)]), true};
+  return expanded.per_target < direct.per_target ? expanded : direct;
+}
+
+/// decides for the other candidates of a leaf whether they are expanded about its center, or left to its groups.
 template <class I>
 void Fast_sum<I>::sort_leaf_candidates(Task& task, Scratch& scratch) const
 {
   const Node& target = targets_.node(task.node);
   const Point_tree& tree = sources_.tree();
+  const std::size_t padded = scratch.coordinates.size() / 6;
+  const auto lanes_filled = static_cast<double>(padded); // a part of a vector costs a whole one
   scratch.expanded.clear();
-  scratch.direct.clear();
+  scratch.rejected.clear();
   scratch.pending.clear();
-  const auto lanes_filled = static_cast<Index>(scratch.coordinates.size() / 6); // a part of a vector costs a whole one
   Offer offer;
   scratch.stack.assign(task.candidates.rbegin(), task.candidates.rend());
   while (!scratch.stack.empty())
   {
     const Index s = scratch.stack.back();
     scratch.stack.pop_back();
-    const bool is_offered = make_offer(target, s, offer);
-    Account charged = task.account;
-    const int degree = is_offered ? accept(offer, share(offer, task.account), charged) : -1;
-    if (degree >= 0 && lanes_filled * tree.node(s).size() > translation_cost[static_cast<std::size_t>(degree)])
+    const Price other = price_for_groups(target, s, task.account);
+    Account account = task.account;
+    const bool is_offered = budget_.make_offer(target, s, offer);
+    const int degree = is_offered ? budget_.accept(offer, budget_.share(offer, account), account) : -1;
+    if (degree >= 0 && translation_cost[static_cast<std::size_t>(degree)] < lanes_filled * other.per_target)
     {
-      task.account = charged;
+      task.account = account;
       scratch.expanded.push_back({s, degree});
     }
-    else if (!tree.is_leaf(s))
-      scratch.stack.insert(scratch.stack.end(), {2 * s + 2, 2 * s + 1});
-    else if (is_offered)
+    else if (other.is_expanded || (!is_offered && tree.is_leaf(s)))
+      scratch.rejected.push_back(s);
+    else if (tree.is_leaf(s))
       scratch.pending.push_back(offer);
     else
-      scratch.direct.push_back(s);
+      scratch.stack.insert(scratch.stack.end(), {2 * s + 2, 2 * s + 1});
   }
+  sort_pending(lanes_filled, task, scratch);
+}
 
-  // What is left of the budget goes to the cells that need least of it.
+/// expands those of the pending cells that need least of what is left of the budget.
+template <class I>
+void Fast_sum<I>::sort_pending(double lanes_filled, Task& task, Scratch& scratch) const
+{
+  // of the whole budget; the rest is for the groups
+  constexpr double largest_part = 0.7;
+
   std::ranges::stable_sort(scratch.pending, {}, &Offer::error);
-  const Index cost = translation_cost[static_cast<std::size_t>(sources_.degree())];
+  const double cost = translation_cost[static_cast<std::size_t>(sources_.degree())];
   for (const Offer& o : scratch.pending)
-    if (lanes_filled * tree.node(o.node).size() > cost && accept(o, o.error, task.account) >= 0)
+    if (lanes_filled * static_cast<double>(sources_.tree().node(o.node).size()) > cost &&
+        budget_.accept(o, o.error, task.account, largest_part) >= 0)
       scratch.expanded.push_back({o.node, sources_.degree()});
     else
-      scratch.direct.push_back(o.node);
+      scratch.rejected.push_back(o.node);
 }
 
 /// moves the parent's local expansion to `center`.
@@ -555,9 +503,9 @@ void Fast_sum<I>::translate(const Node& target, std::span<const Cell> cells, Tra
   for (int k = 0; k <= degree; ++k)
     for (int lane = 0; lane < lanes<Real>; ++lane)
       room.target_factors[k][lane] *= room.scales[lane];
-  const Translation<Real>& kernels = kernels_.template translation<Real>();
+  const Expansion<Real>& kernels = kernels_.template expansion<Real>();
   const auto packs = [](Aligned_vector<Real>& v) { return Translation_room<Real>::packs(v); };
-  kernels.derivative_tensor(table_, degree, room.offsets, room.radial, packs(room.derivatives));
+  kernels.derivative_tensor(degree, room.offsets, room.radial, packs(room.derivatives));
   kernels.translate(table_, degree, packs(room.derivatives), moments, room.source_factors, room.target_factors,
                     packs(room.transposed), packs(room.lane_sums));
 }
@@ -566,13 +514,12 @@ void Fast_sum<I>::translate(const Node& target, std::span<const Cell> cells, Tra
 template <class I>
 Sums Fast_sum<I>::prepare_leaf(const Node& target, Scratch& scratch) const
 {
-  constexpr std::size_t group = 16; // fills vectors of floats of any width
+  constexpr auto group = static_cast<std::size_t>(group_size);
   const auto points =
     targets_.points().subspan(static_cast<std::size_t>(target.begin), static_cast<std::size_t>(target.size()));
   const std::size_t n = (points.size() + group - 1) / group * group;
   // Positions as they are, then relative to the center. What is added to fill a vector repeats the last point.
   scratch.coordinates.resize(6 * n);
-  scratch.float_targets.resize(3 * n);
   for (std::size_t m = 0; m < n; ++m)
     for (std::size_t d = 0; d < 3; ++d)
     {
@@ -582,44 +529,141 @@ Sums Fast_sum<I>::prepare_leaf(const Node& target, Scratch& scratch) const
     }
   scratch.sums.assign(4 * n, 0.0);
   double* sums = scratch.sums.data();
+  prepare_groups(target, {sums, sums + n, sums + 2 * n, sums + 3 * n}, scratch);
   return {sums, sums + n, sums + 2 * n, sums + 3 * n};
 }
 
-/// Whether the pairs of a cell of targets and a leaf of sources can be summed in single precision, with coordinates
-/// relative to the sources' center: they are so far apart that rounding a coordinate changes a distance by a few units
-/// in its last place only, and no power of a distance leaves the range of a float.
 template <class I>
-bool Fast_sum<I>::is_float_safe(const Node& target, const Node& source) const
+void Fast_sum<I>::prepare_groups(const Node& target, const Sums& sums, Scratch& scratch) const
 {
-  constexpr double nearest = 1e-5, farthest = 1e5;
-  const double gap = squared_gap(target, source);
-  return uses_floats_ && gap >= source.radius * source.radius / 4 && gap > nearest * nearest &&
-         squared_span(target, source) < farthest * farthest;
+  const Index count = (target.size() + group_size - 1) / group_size;
+  scratch.groups.resize(static_cast<std::size_t>(count));
+  for (Index g = 0; g < count; ++g)
+  {
+    Group& group = scratch.groups[static_cast<std::size_t>(g)];
+    const Index first = g * group_size, last = std::min(first + group_size, target.size());
+    group.box = targets_.measured(target.begin + first, target.begin + last);
+    group.box.begin = first;
+    group.box.end = last;
+    group.sums = {sums.weight + first, sums.x + first, sums.y + first, sums.z + first};
+  }
 }
 
-/// sums the pairs of the target's points and the sources in `scratch.direct`; returns their number.
+/// sums what is too near to be expanded at the targets of a group; the rest of what is near becomes its candidates.
+/// Sets the lower bound of what all that weighs.
 template <class I>
-Index Fast_sum<I>::sum_direct(const Node& target, Scratch& scratch, const Sums& sums) const
+Sum_tally Fast_sum<I>::sum_nearest(Group& group, Scratch& scratch) const
+{
+  Sum_tally tally;
+  group.candidates.clear();
+  scratch.stack.assign(scratch.near.rbegin(), scratch.near.rend());
+  while (!scratch.stack.empty())
+  {
+    const Index s = scratch.stack.back();
+    scratch.stack.pop_back();
+    if (budget_.is_expandable_at_targets(group.box, sources_.tree().node(s)))
+      group.candidates.push_back(s);
+    else if (sources_.tree().is_leaf(s))
+      tally.pairs += add_direct(s, group, scratch);
+    else
+      scratch.stack.insert(scratch.stack.end(), {2 * s + 2, 2 * s + 1});
+  }
+  const double least = *std::min_element(group.sums.weight, group.sums.weight + group.box.size());
+  group.account.lowest =
+    (1 - float_rounding) * least + budget_.lowest_weight(group.box, group.candidates, scratch.stack);
+  return tally;
+}
+
+/// expands or sums what is left to a group.
+template <class I>
+Sum_tally Fast_sum<I>::sum_near(Group& group, Scratch& scratch) const
+{
+  Sum_tally tally;
+  Offer offer;
+  scratch.stack.assign(scratch.rejected.rbegin(), scratch.rejected.rend());
+  scratch.stack.insert(scratch.stack.end(), group.candidates.rbegin(), group.candidates.rend());
+  while (!scratch.stack.empty())
+  {
+    const Index s = scratch.stack.back();
+    scratch.stack.pop_back();
+    Account account = group.account;
+    const int degree = budget_.make_offer_at_targets(group.box, s, offer)
+                         ? budget_.accept(offer, budget_.share(offer, account), account)
+                         : -1;
+    if (degree >= 0 && cost_at_target[static_cast<std::size_t>(degree)] < sources_.tree().node(s).size())
+    {
+      group.account = account;
+      add_at_targets({s, degree}, group, scratch);
+      tally.translations += group.box.size();
+    }
+    else if (sources_.tree().is_leaf(s))
+      tally.pairs += add_direct(s, group, scratch);
+    else
+      scratch.stack.insert(scratch.stack.end(), {2 * s + 2, 2 * s + 1});
+  }
+  if (group.account.error > 0)
+    tally.error = 2 * group.account.error / std::max(group.account.lowest, group.account.expanded);
+  if (uses_floats_)
+    tally.error += float_rounding;
+  return tally;
+}
+
+/// adds the expansion of a source cell at each target of a group to their sums.
+template <class I>
+void Fast_sum<I>::add_at_targets(const Cell& cell, const Group& group, Scratch& scratch) const
+{
+  if constexpr (Summation_kernels<I>::has_floats)
+    if (uses_floats_)
+      return add_at_targets(cell, group, scratch, scratch.floats);
+  add_at_targets(cell, group, scratch, scratch.doubles);
+}
+
+template <class I>
+template <class Real>
+void Fast_sum<I>::add_at_targets(const Cell& cell, const Group& group, const Scratch& scratch,
+                                 Translation_room<Real>& room) const
 {
   const auto n = static_cast<Index>(scratch.coordinates.size() / 6);
-  const double* x = scratch.coordinates.data();
-  float* relative = scratch.float_targets.data();
-  Index pairs = 0;
-  for (const Index s : scratch.direct)
+  const Expansion<Real>& kernels = kernels_.template expansion<Real>();
+  const Point& center = sources_.tree().node(cell.node).center;
+  const double unit = sources_.moment_unit(cell.node);
+  std::ranges::fill(room.units, static_cast<Real>(unit));
+  room.derivatives.resize(static_cast<std::size_t>(term_count(sources_.degree()) * lanes<Real>));
+  Pack<Real>* const derivatives = Translation_room<Real>::packs(room.derivatives);
+  const double factor = kernels_.scale(static_cast<double>(static_cast<Real>(unit)));
+  for (Index t = 0; t < group_size; t += lanes<Real>)
   {
-    const Node& source = sources_.tree().node(s);
-    pairs += target.size() * source.size();
-    if (!is_float_safe(target, source))
-      kernels_.add_direct(sources_.charges(source.begin), source.size(), {x, x + n, x + 2 * n}, n, sums);
-    else if constexpr (Summation_kernels<I>::has_floats)
-    {
-      for (Index d = 0; d < 3; ++d)
-        kernels_.common().to_floats(x + d * n, n, source.center[static_cast<std::size_t>(d)], relative + d * n);
-      kernels_.add_direct(sources_.float_charges(source.begin), source.size(),
-                          Coordinates<float>{relative, relative + n, relative + 2 * n}, n, sums);
-    }
+    for (std::size_t d = 0; d < 3; ++d)
+      kernels.to_relative(scratch.coordinates.data() + static_cast<Index>(d) * n + group.box.begin + t, lanes<Real>,
+                          center[d], 1 / unit, room.offsets[d]);
+    kernels_.radial_derivatives(room.offsets, room.units, static_cast<Real>(unit), cell.degree, room.radial,
+                                room.scales);
+    kernels.derivative_tensor(cell.degree, room.offsets, room.radial, derivatives);
+    kernels.add_expansion(term_count(cell.degree), derivatives, sources_.template moments<Real>(cell.node), factor,
+                          {group.sums.weight + t, group.sums.x + t, group.sums.y + t, group.sums.z + t});
   }
-  return pairs;
+}
+
+/// sums the pairs of a leaf of sources and the targets of a group; returns their number.
+template <class I>
+Index Fast_sum<I>::add_direct(Index leaf, const Group& group, Scratch& scratch) const
+{
+  const auto n = static_cast<Index>(scratch.coordinates.size() / 6);
+  const double* x = scratch.coordinates.data() + group.box.begin;
+  float* relative = scratch.float_targets.data();
+  const Node& source = sources_.tree().node(leaf);
+  if (!budget_.is_float_safe(group.box, source))
+    kernels_.add_direct(sources_.charges(source.begin), source.size(), {x, x + n, x + 2 * n}, group_size, group.sums);
+  else if constexpr (Summation_kernels<I>::has_floats)
+  {
+    for (Index d = 0; d < 3; ++d)
+      kernels_.common().floats.to_relative(x + d * n, group_size, source.center[static_cast<std::size_t>(d)], 1,
+                                           relative + d * group_size);
+    kernels_.add_direct(sources_.float_charges(source.begin), source.size(),
+                        Coordinates<float>{relative, relative + group_size, relative + 2 * group_size}, group_size,
+                        group.sums);
+  }
+  return group.box.size() * source.size();
 }
 
 } // namespace recurve::internal

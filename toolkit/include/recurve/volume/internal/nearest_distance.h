@@ -11,18 +11,6 @@
 
 namespace recurve::internal {
 
-/// squared distance of `p` from the nearest point of the box of `node`.
-inline double squared_gap(const Point_tree::Node& node, const Point& p)
-{
-  double sum = 0;
-  for (std::size_t d = 0; d < 3; ++d)
-  {
-    const double gap = std::max({0.0, node.low[d] - p[d], p[d] - node.high[d]});
-    sum += gap * gap;
-  }
-  return sum;
-}
-
 /// distance of `p` from the nearest point of the tree, or `largest` if none is nearer.
 inline double nearest_distance(const Point_tree& tree, const Point& p, double largest)
 {

@@ -38,8 +38,9 @@ public:
   };
 
   Point_tree() = default;
-  /// \pre capacity >= 2
-  Point_tree(std::vector<Numbered_point> points, Index capacity);
+  /// \param group  so many successive points of a leaf, from its first one on, are sorted to be near each other; 0:
+  /// they are in any order. \pre capacity >= 2
+  Point_tree(std::vector<Numbered_point> points, Index capacity, Index group = 0);
 
   bool is_empty() const { return points_.empty(); }
   bool is_leaf(Index node) const { return node >= first_leaf_; }
@@ -49,22 +50,27 @@ public:
   std::span<const Numbered_point> points() const { return points_; } ///< in the order of the leaves
   std::size_t bytes() const { return points_.size() * sizeof(Numbered_point) + nodes_.size() * sizeof(Node); }
 
+  /// box, center and radius of some of the points.
+  Node measured(Index begin, Index end) const;
+
   /// releases the points; the nodes stay.
   void drop_points() { std::vector<Numbered_point>().swap(points_); }
 
 private:
   void build(Index node, Index begin, Index end);
-  void measure(Node& node) const;
+  void sort_groups(const Node& part);
+  void halve(const Node& node, Index middle);
 
   // Below this many points a task costs more than it saves.
   static constexpr Index parallel_size = 16384;
 
   std::vector<Numbered_point> points_;
   std::vector<Node> nodes_;
-  Index first_leaf_ = 0;
+  Index first_leaf_ = 0, group_ = 0;
 };
 
-inline Point_tree::Point_tree(std::vector<Numbered_point> points, Index capacity) : points_(std::move(points))
+inline Point_tree::Point_tree(std::vector<Numbered_point> points, Index capacity, Index group)
+  : points_(std::move(points)), group_(group)
 {
   const Index n = static_cast<Index>(points_.size());
   if (n == 0)
@@ -77,9 +83,12 @@ inline Point_tree::Point_tree(std::vector<Numbered_point> points, Index capacity
   build(0, 0, n);
 }
 
-inline void Point_tree::measure(Node& node) const
+inline Point_tree::Node Point_tree::measured(Index begin, Index end) const
 {
   constexpr double infinity = std::numeric_limits<double>::infinity();
+  Node node;
+  node.begin = begin;
+  node.end = end;
   node.low = {infinity, infinity, infinity};
   node.high = {-infinity, -infinity, -infinity};
   for (Index m = node.begin; m < node.end; ++m)
@@ -99,26 +108,41 @@ inline void Point_tree::measure(Node& node) const
   }
   // rounded up, so that a bound computed from the radius is one
   node.radius = std::sqrt(squared) * (1 + 4 * std::numeric_limits<double>::epsilon());
+  return node;
+}
+
+/// puts the points of a node before `middle` that are lower along its widest side.
+inline void Point_tree::halve(const Node& node, Index middle)
+{
+  std::size_t widest = 0;
+  for (std::size_t d = 1; d < 3; ++d)
+    if (node.high[d] - node.low[d] > node.high[widest] - node.low[widest])
+      widest = d;
+  // The number breaks ties, so that the halves do not depend on the order in which points of equal coordinate came.
+  std::nth_element(points_.begin() + node.begin, points_.begin() + middle, points_.begin() + node.end,
+                   [widest](const Numbered_point& a, const Numbered_point& b) {
+                     return std::tie(a.position[widest], a.number) < std::tie(b.position[widest], b.number);
+                   });
+}
+
+inline void Point_tree::sort_groups(const Node& part)
+{
+  if (group_ == 0 || part.size() <= group_)
+    return;
+  const Index groups = (part.size() + group_ - 1) / group_, middle = part.begin + groups / 2 * group_;
+  halve(part, middle);
+  sort_groups(measured(part.begin, middle));
+  sort_groups(measured(middle, part.end));
 }
 
 inline void Point_tree::build(Index number, Index begin, Index end)
 {
   Node& node = nodes_[static_cast<std::size_t>(number)];
-  node.begin = begin;
-  node.end = end;
-  measure(node);
+  node = measured(begin, end);
   if (is_leaf(number))
-    return;
-  std::size_t widest = 0;
-  for (std::size_t d = 1; d < 3; ++d)
-    if (node.high[d] - node.low[d] > node.high[widest] - node.low[widest])
-      widest = d;
+    return sort_groups(node);
   const Index middle = begin + (end - begin) / 2;
-  // The number breaks ties, so that the halves do not depend on the order in which points of equal coordinate came.
-  std::nth_element(points_.begin() + begin, points_.begin() + middle, points_.begin() + end,
-                   [widest](const Numbered_point& a, const Numbered_point& b) {
-                     return std::tie(a.position[widest], a.number) < std::tie(b.position[widest], b.number);
-                   });
+  halve(node, middle);
   const auto left = [&] { build(2 * number + 1, begin, middle); };
   const auto right = [&] { build(2 * number + 2, middle, end); };
   if (end - begin >= parallel_size)
@@ -143,6 +167,18 @@ inline double squared_gap(const Point_tree::Node& a, const Point_tree::Node& b)
   for (std::size_t d = 0; d < 3; ++d)
   {
     const double gap = std::max({0.0, a.low[d] - b.high[d], b.low[d] - a.high[d]});
+    sum += gap * gap;
+  }
+  return sum;
+}
+
+/// squared distance of a point from the nearest point of a box; 0 inside.
+inline double squared_gap(const Point_tree::Node& a, const Point& p)
+{
+  double sum = 0;
+  for (std::size_t d = 0; d < 3; ++d)
+  {
+    const double gap = std::max({0.0, a.low[d] - p[d], p[d] - a.high[d]});
     sum += gap * gap;
   }
   return sum;

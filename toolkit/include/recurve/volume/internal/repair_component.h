@@ -2,11 +2,12 @@
 #define RECURVE_VOLUME_INTERNAL_REPAIR_COMPONENT_H
 
 #include <recurve/core/types.h>
-#include <recurve/volume/internal/distortion.h>
+#include <recurve/volume/internal/distortion_batch.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -14,9 +15,8 @@
 #include <cmath>
 #include <cstddef>
 #include <deque>
-#include <limits>
+#include <numeric>
 #include <span>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -28,24 +28,18 @@ namespace recurve::internal {
 class Repair_component
 {
 public:
-  /// A cell by its nodes: numbers in `displacements`, of which the first `movable_count` may move.
-  struct Cell
+  /// \param displacements  of the nodes; the first `movable_count` of them may move.
+  Repair_component(std::span<const Distorted_cell> cells, std::vector<Point> displacements, std::size_t movable_count)
+    : displacements_(std::move(displacements)), movable_(movable_count), values_(cells.size()), least_(cells.size())
   {
-    Straight_shape shape;
-    std::vector<int> nodes;
-  };
-
-  Repair_component(std::vector<Cell> cells, std::vector<Point> displacements, std::size_t movable_count)
-    : cells_(std::move(cells)), displacements_(std::move(displacements)), movable_(movable_count)
-  {
-    list_places();
+    list_places(cells);
+    make_batches(cells);
     gradients_.resize(first_slot_.back());
     blocks_.resize(first_slot_.back());
-    values_.resize(cells_.size());
-    least_.resize(cells_.size());
   }
 
-  const Point& displacement(std::size_t movable) const { return displacements_[movable]; }
+  const std::vector<Point>& displacements() const { return displacements_; }
+  void displace(std::vector<Point> displacements) { displacements_ = std::move(displacements); }
 
   /// the smallest det F at any point.
   double least_determinant()
@@ -54,14 +48,15 @@ public:
     return *std::min_element(least_.begin(), least_.end());
   }
 
-  /// minimises the distortion regularised by `epsilon`, in at most `iterations` steps. Returns whether it got anywhere.
-  bool minimise(double epsilon, int iterations)
+  /// minimises the distortion regularised by `epsilon`, in at most `iterations` steps. Returns the smallest det F at
+  /// any point.
+  double minimise(double epsilon, int iterations)
   {
     constexpr double enough = 1e-6; // relative decrease of a step, after which more of them do not pay
     double value = evaluate(epsilon, Find::blocks);
+    double least = *std::min_element(least_.begin(), least_.end());
     invert_blocks();
     Vector gradient = gathered_gradient();
-    const double first = value;
     history_.clear();
     for (int step = 0; step < iterations; ++step)
     {
@@ -73,6 +68,7 @@ public:
       const double reached = search(before, way, value, slope, epsilon);
       if (!(reached < value))
         break;
+      least = *std::min_element(least_.begin(), least_.end());
       const Vector next = gathered_gradient();
       remember(way, next - gradient);
       gradient = next;
@@ -81,20 +77,12 @@ public:
       if (is_done)
         break;
     }
-    return value < first;
+    return least;
   }
 
 private:
   using Vector = Eigen::VectorXd;
   using Block = std::array<double, 6>; ///< xx, yy, zz, yz, zx, xy of a symmetric matrix
-
-  /// What an evaluation is to find beside the value.
-  enum class Find
-  {
-    value,
-    gradient,
-    blocks ///< and the gradient
-  };
 
   struct Pair
   {
@@ -102,113 +90,91 @@ private:
     double inverse; ///< 1 / their product
   };
 
+  /// Cells of one type, by their numbers.
+  struct Batch
+  {
+    Distortion_batch distortion;
+    std::vector<std::size_t> cells;
+  };
+
+  bool may_move(int node) const { return static_cast<std::size_t>(node) < movable_; }
+
   /// for each movable node, where the cells keep what they contribute to it.
-  void list_places()
+  void list_places(std::span<const Distorted_cell> cells)
   {
     first_slot_.push_back(0);
     slots_.resize(movable_);
-    for (const Cell& cell : cells_)
+    for (const Distorted_cell& cell : cells)
     {
       std::size_t slot = first_slot_.back();
       for (const int node : cell.nodes)
-        if (static_cast<std::size_t>(node) < movable_)
+        if (may_move(node))
           slots_[static_cast<std::size_t>(node)].push_back(slot++);
       first_slot_.push_back(slot);
+      nodes_.push_back(cell.nodes);
+    }
+  }
+
+  void make_batches(std::span<const Distorted_cell> cells)
+  {
+    const Distortion_kernel& kernel = distortion_kernel();
+    std::vector<std::size_t> order(cells.size());
+    std::iota(order.begin(), order.end(), std::size_t(0));
+    std::ranges::stable_sort(order, {}, [&](std::size_t c) { return cells[c].type; });
+    for (std::size_t first = 0, last = 0; first < order.size(); first = last)
+    {
+      std::vector<const Distorted_cell*> own;
+      while (last < order.size() && std::ssize(own) < kernel.batch &&
+             cells[order[last]].type == cells[order[first]].type)
+        own.push_back(&cells[order[last++]]);
+      batches_.push_back(
+        {Distortion_batch(kernel, own), {order.begin() + std::ptrdiff_t(first), order.begin() + std::ptrdiff_t(last)}});
     }
   }
 
   /// the sum of all cells.
   double evaluate(double epsilon, Find find)
   {
-    tbb::parallel_for(std::size_t(0), cells_.size(), [&](std::size_t c) { evaluate(c, epsilon, find); });
+    tbb::parallel_for(std::size_t(0), batches_.size(), [&](std::size_t b) { evaluate(batches_[b], epsilon, find); });
     double sum = 0;
     for (const double value : values_)
       sum += value;
     return sum;
   }
 
-  void evaluate(std::size_t c, double epsilon, Find find)
+  void evaluate(const Batch& batch, double epsilon, Find find)
   {
-    const Cell& cell = cells_[c];
-    std::array<Point, node_count(Element_type::hexahedron, max_degree)> own;
-    for (std::size_t m = 0; m < cell.nodes.size(); ++m)
-      own[m] = displacements_[static_cast<std::size_t>(cell.nodes[m])];
-    const double weight = 1 / static_cast<double>(cell.shape.point_count());
-    values_[c] = 0;
-    least_[c] = std::numeric_limits<double>::infinity();
-    const auto clear = [&](auto& list) {
-      std::fill(list.begin() + std::ptrdiff_t(first_slot_[c]), list.begin() + std::ptrdiff_t(first_slot_[c + 1]),
-                typename std::decay_t<decltype(list)>::value_type{});
-    };
-    if (find != Find::value)
-      clear(gradients_);
-    if (find == Find::blocks)
-      clear(blocks_);
-    for (std::size_t q = 0; q < cell.shape.point_count(); ++q)
-    {
-      const Matrix_3 f = cell.shape.gradient(q, std::span<const Point>(own.data(), cell.nodes.size()));
-      const Matrix_3 by_det = cofactors(f);
-      const double det = determinant(f, by_det);
-      double square = 0;
-      for (const double entry : f)
-        square += entry * entry;
-      const Distortion distortion(square, det, epsilon);
-      values_[c] += weight * distortion.value;
-      least_[c] = std::min(least_[c], std::isnan(det) ? -std::numeric_limits<double>::infinity() : det);
-      if (find != Find::value)
-        add_gradient(c, q, f, by_det, distortion, weight);
-      if (find == Find::blocks)
-        add_blocks(c, q, by_det, distortion, weight);
-    }
+    Distortion_batch::Workspace& work = workspaces_.local();
+    const auto cell = [&](int own) { return batch.cells[static_cast<std::size_t>(own)]; };
+    batch.distortion.evaluate(
+      [&](int own, int m) -> const Point& {
+        return displacements_[static_cast<std::size_t>(nodes_[cell(own)][static_cast<std::size_t>(m)])];
+      },
+      epsilon, find, work,
+      [&](int own, double value, double least) {
+        values_[cell(own)] = value;
+        least_[cell(own)] = least;
+      });
+    for (int own = 0; find != Find::value && own < batch.distortion.cell_count(); ++own)
+      keep_derivatives(batch, own, find, work);
   }
 
-  /// calls visit(slot, derivatives of the node's function) for the nodes of a cell that may move.
-  template <class Visit>
-  void for_each_movable(std::size_t c, std::size_t q, const Visit& visit) const
+  /// the shares of a cell in the derivatives with respect to its nodes.
+  void keep_derivatives(const Batch& batch, int own, Find find, const Distortion_batch::Workspace& work)
   {
-    const auto derivatives = cells_[c].shape.derivatives(q);
+    const std::size_t c = batch.cells[static_cast<std::size_t>(own)];
     std::size_t slot = first_slot_[c];
-    for (std::size_t m = 0; m < cells_[c].nodes.size(); ++m)
-      if (static_cast<std::size_t>(cells_[c].nodes[m]) < movable_)
-        visit(slot++, derivatives[m]);
-  }
-
-  static Point times(const Matrix_3& a, const Point& v)
-  {
-    return {a[0] * v[0] + a[1] * v[1] + a[2] * v[2], a[3] * v[0] + a[4] * v[1] + a[5] * v[2],
-            a[6] * v[0] + a[7] * v[1] + a[8] * v[2]};
-  }
-
-  void add_gradient(std::size_t c, std::size_t q, const Matrix_3& f, const Matrix_3& by_det,
-                    const Distortion& distortion, double weight)
-  {
-    Matrix_3 stress;
-    for (std::size_t i = 0; i < 9; ++i)
-      stress[i] = weight * (2 * distortion.by_square * f[i] + distortion.by_det * by_det[i]);
-    stress = product_transposed(stress, cells_[c].shape.inverse(q));
-    for_each_movable(c, q, [&](std::size_t slot, const Point& derivative) {
-      const Point g = times(stress, derivative);
-      for (std::size_t d = 0; d < 3; ++d)
-        gradients_[slot][d] += g[d];
-    });
-  }
-
-  void add_blocks(std::size_t c, std::size_t q, const Matrix_3& by_det, const Distortion& distortion, double weight)
-  {
-    const Matrix_3& inverse = cells_[c].shape.inverse(q);
-    const Matrix_3 metric = product_transposed(inverse, inverse), normal = product_transposed(by_det, inverse);
-    for_each_movable(c, q, [&](std::size_t slot, const Point& derivative) {
-      const Point m = times(metric, derivative), n = times(normal, derivative);
-      const double stretching =
-        2 * weight * distortion.by_square * (m[0] * derivative[0] + m[1] * derivative[1] + m[2] * derivative[2]);
-      const double w = weight * distortion.inflating;
-      Block& block = blocks_[slot];
-      for (std::size_t d = 0; d < 3; ++d)
-      {
-        block[d] += stretching + w * n[d] * n[d];
-        block[3 + d] += w * n[(d + 1) % 3] * n[(d + 2) % 3];
-      }
-    });
+    for (int m = 0; m < static_cast<int>(nodes_[c].size()); ++m)
+    {
+      if (!may_move(nodes_[c][static_cast<std::size_t>(m)]))
+        continue;
+      for (int d = 0; d < 3; ++d)
+        gradients_[slot][static_cast<std::size_t>(d)] = batch.distortion.slope(work, own, m, d);
+      if (find == Find::blocks)
+        for (int entry = 0; entry < 6; ++entry)
+          blocks_[slot][static_cast<std::size_t>(entry)] = batch.distortion.block(work, own, m, entry);
+      ++slot;
+    }
   }
 
   Vector gathered_gradient() const
@@ -274,11 +240,12 @@ private:
     for (int halving = 0; halving < most_halvings; ++halving, length /= 2)
     {
       step(before, way, length);
-      const double reached = evaluate(epsilon, Find::value);
+      // The first step is mostly taken, and then its derivatives are needed.
+      const double reached = evaluate(epsilon, halving == 0 ? Find::gradient : Find::value);
       if (std::isfinite(reached) && reached <= value + decrease * length * slope)
       {
         taken_ = length;
-        return evaluate(epsilon, Find::gradient);
+        return halving == 0 ? reached : evaluate(epsilon, Find::gradient);
       }
     }
     step(before, way, 0);
@@ -304,15 +271,17 @@ private:
     history_.push_back({step, change, 1 / product});
   }
 
-  std::vector<Cell> cells_;
   std::vector<Point> displacements_;
   std::size_t movable_;
+  std::vector<std::vector<int>> nodes_; ///< per cell
+  std::vector<Batch> batches_;
   std::vector<std::size_t> first_slot_;         ///< per cell, and the end
   std::vector<std::vector<std::size_t>> slots_; ///< per movable node, of its cells
   std::vector<Point> gradients_;                ///< per slot
   std::vector<Eigen::Matrix3d> inverse_blocks_; ///< per movable node
   std::vector<Block> blocks_;                   ///< per slot
-  std::vector<double> values_, least_;          ///< per cell
+  std::vector<double> values_, least_;          ///< per cell; the smallest det F
+  tbb::enumerable_thread_specific<Distortion_batch::Workspace> workspaces_;
   std::deque<Pair> history_;
   double taken_ = 1;
 };

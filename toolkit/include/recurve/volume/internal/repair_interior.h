@@ -2,7 +2,6 @@
 #define RECURVE_VOLUME_INTERNAL_REPAIR_INTERIOR_H
 
 #include <recurve/core/types.h>
-#include <recurve/volume/internal/jacobian_table.h>
 #include <recurve/volume/internal/repair_component.h>
 #include <recurve/volume/internal/restoration_cells.h>
 #include <recurve/volume/restoration_report.h>
@@ -14,20 +13,12 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <numeric>
 #include <span>
 #include <unordered_map>
 #include <utility>
 #include <vector>
 
 namespace recurve::internal {
-
-/// made once for each type and degree.
-inline const Distortion_points& distortion_points(Element_type type, int degree)
-{
-  static Table_store<Distortion_points> store;
-  return store.get(type, degree, [](Element_type t, int p) { return Distortion_points(t, p); });
-}
 
 /// Moves nodes inside the volume around failing cells: parts the cells there into components that share no node that
 /// may move, and minimises the distortion of each. What does not help, or harms a cell that was valid, is left undone.
@@ -106,22 +97,10 @@ private:
   /// does not depend on that of the cells.
   std::vector<Component> find_components() const
   {
-    std::vector<std::size_t> parent(region_.size());
-    std::iota(parent.begin(), parent.end(), std::size_t(0));
-    const auto root = [&](std::size_t c) {
-      while (parent[c] != c)
-        c = parent[c] = parent[parent[c]];
-      return c;
-    };
-    std::unordered_map<Index, std::size_t> cell_of_node;
-    for (std::size_t c = 0; c < region_.size(); ++c)
-      for (const Index node : cells_.nodes(region_[c]))
-        if (may_move(node))
-          if (const auto [found, is_new] = cell_of_node.try_emplace(node, c); !is_new)
-            parent[root(c)] = root(found->second);
+    const std::vector<std::size_t> cluster = cells_.clusters(region_, [this](Index node) { return may_move(node); });
     std::vector<Component> all(region_.size());
     for (std::size_t c = 0; c < region_.size(); ++c)
-      all[root(c)].push_back(region_[c]);
+      all[cluster[c]].push_back(region_[c]);
     std::erase_if(all, [this](const Component& cells) {
       return std::ranges::none_of(cells, [this](Block_element c) { return cells_.has(Restoration_cells::failing, c); });
     });
@@ -168,12 +147,17 @@ private:
         return levels_.current(node);
       Point p = levels_.straight(node);
       for (std::size_t d = 0; d < 3; ++d)
-        p[d] += repair.displacement(number)[d];
+        p[d] += repair.displacements()[number][d];
       return p;
     };
-    if (!untangle(repair,
-                  [&] { return std::ranges::all_of(component, [&](auto c) { return is_valid_(c, moved); }); }) &&
-        !helps(component, moved))
+    // Those that fail come first, so that a negative answer comes soon.
+    Component failing_first = component;
+    std::stable_partition(failing_first.begin(), failing_first.end(),
+                          [this](Block_element c) { return cells_.has(Restoration_cells::failing, c); });
+    const auto all_valid = [&] {
+      return std::ranges::all_of(failing_first, [&](auto c) { return is_valid_(c, moved); });
+    };
+    if (!untangle(repair, all_valid) && !helps(component, moved))
       return {};
     Moves moves;
     for (std::size_t n = 0; n < numbering.movable; ++n)
@@ -190,21 +174,19 @@ private:
       const Point from = levels_.straight(node), to = levels_.current(node);
       displacements.push_back({to[0] - from[0], to[1] - from[1], to[2] - from[2]});
     }
-    std::vector<Repair_component::Cell> cells;
+    std::vector<Distorted_cell> cells;
     cells.reserve(component.size());
-    std::vector<Point> straight;
     for (const Block_element cell : component)
     {
-      straight.clear();
-      std::vector<int> nodes;
+      const Element_type type = cells_.type(cell);
+      cells.push_back({type, &distortion_points(type, cells_.degree()), {}, {}});
       for (const Index node : cells_.nodes(cell))
       {
-        straight.push_back(levels_.straight(node));
-        nodes.push_back(numbering.numbers.at(node));
+        cells.back().straight.push_back(levels_.straight(node));
+        cells.back().nodes.push_back(numbering.numbers.at(node));
       }
-      cells.push_back({Straight_shape(distortion_points(cells_.type(cell), cells_.degree()), straight), nodes});
     }
-    return Repair_component(std::move(cells), std::move(displacements), numbering.movable);
+    return Repair_component(cells, std::move(displacements), numbering.movable);
   }
 
   /// minimises with less and less regularisation until `is_done()`, or until it gets no better.
@@ -222,10 +204,15 @@ private:
     for (int stage = 0; stage < stages && idle < 2; ++stage)
     {
       const double negative = share * std::min(least, 0.0);
-      repair.minimise(std::sqrt(smallest * smallest + negative * negative), steps);
-      const double reached = repair.least_determinant();
+      const double reached = repair.minimise(std::sqrt(smallest * smallest + negative * negative), steps);
       if (reached > 0 && is_done())
+      {
+        // They may be valid by a hair: the objective as it is meant carries them further from the edge.
+        const std::vector<Point> valid = repair.displacements();
+        if (!(repair.minimise(smallest, steps) >= reached && is_done()))
+          repair.displace(valid);
         return true;
+      }
       idle = reached > least + 0.02 * std::abs(least) ? 0 : idle + 1;
       least = reached;
     }

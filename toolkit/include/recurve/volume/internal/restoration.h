@@ -32,8 +32,8 @@ class Restoration
 {
 public:
   Restoration(Points& nodes, const Straight& straight, std::span<const Element_block> blocks, int degree,
-              std::span<const Node_role> roles, std::span<const std::array<Index, 2>> linked,
-              const Restoration_options& options, const Visit& visit)
+              std::span<const Node_role> roles, const Linked_nodes& linked, const Restoration_options& options,
+              const Visit& visit)
     : nodes_(nodes), straight_(straight), cells_(blocks, degree), roles_(roles), options_(options), visit_(visit),
       levels_(nodes, straight, linked), bounders_(wide_kernel())
   {}
@@ -188,7 +188,9 @@ private:
   {
     if (options_.repair_layers == 0 || failing.empty())
       return failing;
-    const auto is_valid_at = [this](Block_element cell, const auto& position) { return is_valid(cell, position); };
+    const auto is_valid_at = [this](Block_element cell, const auto& position) {
+      return this->is_valid(cell, position);
+    };
     Interior_repair(cells_, levels_, roles_, options_, is_valid_at).run(failing);
     report_.repaired_nodes += levels_.change_count();
     certify_changes();
@@ -278,19 +280,23 @@ private:
 
   /// scales the displacements around failing cells, smoothly over the size of the cells along their longest edges, so
   /// that all layers of a thin stack keep the same share. What fails again is scaled more, by the steps of the ladder;
-  /// after the last of them the cell is straight.
+  /// after the last of them the cell is straight. Of failing cells that share nodes the smallest come first: a large
+  /// one may fail because of a small neighbour, and would take much more of the surface with it.
   void fade(std::vector<Block_element> failing)
   {
     std::map<Block_element, std::size_t> steps;
     while (!failing.empty())
     {
       ++report_.rounds;
-      std::vector<Fade_ball> balls;
-      for (const Block_element cell : failing)
-        if (std::size_t& step = steps[cell]; step < straight_level)
-          balls.push_back(ball_around(cell, curving_factors[++step]));
-      if (balls.empty())
+      std::erase_if(failing, [&](Block_element cell) { return steps[cell] == straight_level; });
+      if (failing.empty())
         return;
+      std::vector<Fade_ball> balls;
+      for (const auto& [cell, ball] : smallest_of_clusters(failing))
+      {
+        balls.push_back(ball);
+        balls.back().factor = curving_factors[++steps[cell]];
+      }
       const Fade_balls all(balls);
       const auto count = static_cast<Index>(levels_.levels().size());
       std::vector<double> shares(static_cast<std::size_t>(count), 1);
@@ -307,12 +313,30 @@ private:
     }
   }
 
+  /// of the cells that are linked by shared nodes, those not much larger than the smallest, and balls around them.
+  std::vector<std::pair<Block_element, Fade_ball>> smallest_of_clusters(std::span<const Block_element> cells) const
+  {
+    constexpr double not_much = 2;
+    const std::vector<std::size_t> cluster = cells_.clusters(cells, [](Index) { return true; });
+    std::vector<Fade_ball> balls;
+    balls.reserve(cells.size());
+    for (const Block_element cell : cells)
+      balls.push_back(ball_around(cell));
+    std::vector<double> smallest(cells.size(), std::numeric_limits<double>::infinity());
+    for (std::size_t c = 0; c < cells.size(); ++c)
+      smallest[cluster[c]] = std::min(smallest[cluster[c]], balls[c].radius);
+    std::vector<std::pair<Block_element, Fade_ball>> result;
+    for (std::size_t c = 0; c < cells.size(); ++c)
+      if (balls[c].radius <= not_much * smallest[cluster[c]])
+        result.emplace_back(cells[c], balls[c]);
+    return result;
+  }
+
   /// about the middle of the corners, with room for all of them and a little more, for rounding.
-  Fade_ball ball_around(Block_element cell, double factor) const
+  Fade_ball ball_around(Block_element cell) const
   {
     const auto corners = cells_.nodes(cell).first(static_cast<std::size_t>(corner_count(cells_.type(cell))));
     Fade_ball ball;
-    ball.factor = factor;
     Point least = levels_.straight(corners[0]), largest = least;
     for (const Index node : corners)
     {

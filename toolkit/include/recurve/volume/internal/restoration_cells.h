@@ -15,8 +15,10 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
 #include <span>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 namespace recurve::internal {
@@ -116,6 +118,29 @@ public:
   std::vector<Block_element> with(Flag flag) const
   {
     return select([&](Block_element cell) { return has(flag, cell); });
+  }
+
+  /// which of `cells` are linked, directly or through others of them, by nodes for which `links` holds: for each the
+  /// position in `cells` of one that stands for all that are linked with it.
+  template <class Links>
+  std::vector<std::size_t> clusters(std::span<const Block_element> cells, const Links& links) const
+  {
+    std::vector<std::size_t> parent(cells.size());
+    std::iota(parent.begin(), parent.end(), std::size_t(0));
+    const auto root = [&](std::size_t c) {
+      while (parent[c] != c)
+        c = parent[c] = parent[parent[c]];
+      return c;
+    };
+    std::unordered_map<Index, std::size_t> cell_of_node;
+    for (std::size_t c = 0; c < cells.size(); ++c)
+      for (const Index node : nodes(cells[c]))
+        if (links(node))
+          if (const auto [found, is_new] = cell_of_node.try_emplace(node, c); !is_new)
+            parent[root(c)] = root(found->second);
+    for (std::size_t c = 0; c < cells.size(); ++c)
+      parent[c] = root(c);
+    return parent;
   }
 
   /// the cells that have a node with a mark, ascending.

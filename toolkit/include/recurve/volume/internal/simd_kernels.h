@@ -96,14 +96,16 @@ namespace summation_avx512 {
   #pragma GCC pop_options
 #endif
 
-/// The steps of a translation, in one precision.
+/// The steps of an expansion, about a cell of targets or at each of them, in one precision.
 template <class Real>
-struct Translation
+struct Expansion
 {
+  void (*to_relative)(const double*, Index, double, double, Real*);
   void (*radial_derivatives)(const Pack<Real>*, const Pack<Real>&, int, Pack<Real>*);
-  void (*derivative_tensor)(const Expansion_table&, int, const Pack<Real>*, const Pack<Real>*, Pack<Real>*);
+  void (*derivative_tensor)(int, const Pack<Real>*, const Pack<Real>*, Pack<Real>*);
   void (*translate)(const Expansion_table&, int, const Pack<Real>*, const Real* const*, const Pack<Real>*,
                     const Pack<Real>*, Pack<Real>*, Pack<Real>*);
+  void (*add_expansion)(int, const Pack<Real>*, const Real*, double, const Sums&);
 };
 
 /// The kernels of one instruction set, for one formula.
@@ -112,19 +114,19 @@ struct Kernels
   std::string_view name;
   void (*add_direct)(const Charges<double>&, Index, const Coordinates<double>&, Index, double, const Sums&);
   void (*add_direct_float)(const Charges<float>&, Index, const Coordinates<float>&, Index, float, const Sums&);
-  void (*to_floats)(const double*, Index, double, float*);
   void (*add_moments)(const Expansion_table&, int, const Charges<double>&, Index, Pack<double>*, double*);
   void (*add_local)(const Expansion_table&, int, const double*, const Coordinates<double>&, Index, const Sums&);
-  Translation<double> doubles;
-  Translation<float> floats;
+  Expansion<double> doubles;
+  Expansion<float> floats;
 };
 
 // clang-format off
-#define RECURVE_TRANSLATION(set, Real)                                                                                 \
-  {&set::radial_derivatives<A, B, Real>, &set::derivative_tensor<Real>, &set::translate<Real>}
+#define RECURVE_EXPANSION(set, Real)                                                                                   \
+  {&set::to_relative, &set::radial_derivatives<A, B, Real>, &set::derivative_tensor<Real>, &set::translate<Real>,       \
+   &set::add_expansion<Real>}
 #define RECURVE_KERNELS(set)                                                                                           \
-  {#set, &set::add_direct<A, B>, &set::add_direct<A, B>, &set::to_floats, &set::add_moments, &set::add_local,          \
-   RECURVE_TRANSLATION(set, double), RECURVE_TRANSLATION(set, float)}
+  {#set, &set::add_direct<A, B>, &set::add_direct<A, B>, &set::add_moments, &set::add_local,                            \
+   RECURVE_EXPANSION(set, double), RECURVE_EXPANSION(set, float)}
 // clang-format on
 
 /// the kernels for the influence u^A + c u^B with at most the instructions of `widest` (baseline, avx2, avx512) that
@@ -143,7 +145,7 @@ Kernels select_kernels([[maybe_unused]] std::string_view widest)
 }
 
 #undef RECURVE_KERNELS
-#undef RECURVE_TRANSLATION
+#undef RECURVE_EXPANSION
 
 /// the widest kernels that this processor runs. The environment variable RECURVE_SIMD (baseline, avx2) asks for
 /// narrower ones, for comparisons.

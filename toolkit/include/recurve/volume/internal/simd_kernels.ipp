@@ -90,18 +90,28 @@ void add_direct(const Charges<double>& s, Index source_count, const Coordinates<
   }
 }
 
-/// to[m] = from[m] - origin; `count` is a multiple of `width`.
-inline void to_floats(const double* from, Index count, double origin, float* to)
+/// to[m] = factor * (from[m] - origin); `count` is a multiple of `width`.
+inline void to_relative(const double* from, Index count, double origin, double factor, float* to)
 {
   for (Index m = 0; m < count; m += width)
-    *reinterpret_cast<Half_floats*>(to + m) = __builtin_convertvector(reals(from + m) - origin, Half_floats);
+    *reinterpret_cast<Half_floats*>(to + m) = __builtin_convertvector(factor * (reals(from + m) - origin), Half_floats);
+}
+inline void to_relative(const double* from, Index count, double origin, double factor, double* to)
+{
+  for (Index m = 0; m < count; m += width)
+    reals(to + m) = factor * (reals(from + m) - origin);
 }
 
-inline void add_floats(double* sums, const Floats& part)
+/// sums[m] += factor * part[m]
+inline void add_scaled(double* sums, const Floats& part, double factor)
 {
   const float* p = reinterpret_cast<const float*>(&part);
-  reals(sums) += __builtin_convertvector(*reinterpret_cast<const Half_floats*>(p), Reals);
-  reals(sums + width) += __builtin_convertvector(*reinterpret_cast<const Half_floats*>(p + width), Reals);
+  reals(sums) += factor * __builtin_convertvector(*reinterpret_cast<const Half_floats*>(p), Reals);
+  reals(sums + width) += factor * __builtin_convertvector(*reinterpret_cast<const Half_floats*>(p + width), Reals);
+}
+inline void add_scaled(double* sums, const Reals& part, double factor)
+{
+  reals(sums) += factor * part;
 }
 
 /// the same in single precision, for pairs that are far apart compared with the distances of both from the origin.
@@ -131,10 +141,10 @@ void add_direct(const Charges<float>& s, Index source_count, const Coordinates<f
         sum_y += s.weighted_y[m] * w;
         sum_z += s.weighted_z[m] * w;
       }
-      add_floats(sums.weight + t, sum);
-      add_floats(sums.x + t, sum_x);
-      add_floats(sums.y + t, sum_y);
-      add_floats(sums.z + t, sum_z);
+      add_scaled(sums.weight + t, sum, 1);
+      add_scaled(sums.x + t, sum_x, 1);
+      add_scaled(sums.y + t, sum_y, 1);
+      add_scaled(sums.z + t, sum_z, 1);
     }
   }
 }
@@ -144,6 +154,7 @@ template <class Real>
 struct Vector_of
 {
   typedef Real type __attribute__((vector_size(width * sizeof(double)), aligned(sizeof(Real)), may_alias));
+  // NOLINTNEXTLINE(bugprone-sizeof-expression): of double itself too
   static constexpr int size = width * static_cast<int>(sizeof(double) / sizeof(Real));
 };
 
@@ -177,25 +188,49 @@ void radial_derivatives(const Pack<Real>* offsets, const Pack<Real>& near_factor
   }
 }
 
+/// the derivatives of degree `d` from those of degree d - 1 and d - 2, by D_(a+e) = x_e D_a + a_e D_(a-e). Of one degree,
+/// the monomials with a factor follow each other as their quotients do, so that no table is asked.
+template <class Real, class Vector>
+inline void raise_derivatives(int d, const Vector x, const Vector y, const Vector z, int at, Pack<Real>* derivatives)
+{
+  Pack<Real>* term = derivatives + term_count(d - 1);
+  const Pack<Real>*parent = derivatives + term_count(d - 2), *grandparent = derivatives + term_count(d - 3);
+  for (int power = d; power > 1; --power)
+    for (int n = d - power; n >= 0; --n)
+    {
+      const Vector value = x * vector_at(*parent++ + at);
+      vector_at(*term++ + at) = value + static_cast<Real>(power - 1) * vector_at(*grandparent++ + at);
+    }
+  for (int n = d; n > 0; --n)
+    vector_at(*term++ + at) = x * vector_at(*parent++ + at);
+  // Without x: the last ones of either degree.
+  parent -= d;
+  grandparent -= d - 1;
+  for (int power = d; power > 1; --power)
+  {
+    const Vector value = y * vector_at(*parent++ + at);
+    vector_at(*term++ + at) = value + static_cast<Real>(power - 1) * vector_at(*grandparent++ + at);
+  }
+  vector_at(*term++ + at) = y * vector_at(*parent + at);
+  Vector value = z * vector_at(*parent + at);
+  if (d > 1)
+    value += static_cast<Real>(d - 1) * vector_at(*(grandparent - 1) + at);
+  vector_at(*term + at) = value;
+}
+
 /// all derivatives up to `degree` of a radial function at the offsets: derivatives[term][lane].
 template <class Real>
-void derivative_tensor(const Expansion_table& table, int degree, const Pack<Real>* offsets, const Pack<Real>* radial,
-                       Pack<Real>* derivatives)
+void derivative_tensor(int degree, const Pack<Real>* offsets, const Pack<Real>* radial, Pack<Real>* derivatives)
 {
   for (int at = 0; at < lanes<Real>; at += Vector_of<Real>::size)
   {
+    const auto x = vector_at(offsets[0] + at), y = vector_at(offsets[1] + at), z = vector_at(offsets[2] + at);
     vector_at(derivatives[0] + at) = vector_at(radial[degree] + at);
     // From those of the m+1st radial derivative follow, in place and from the highest degree down, those of the m-th.
     for (int m = degree - 1; m >= 0; --m)
     {
-      for (int g = term_count(degree - m) - 1; g > 0; --g)
-      {
-        const Expansion_table::Recurrence& r = table.recurrence(g);
-        auto value = vector_at(offsets[r.axis] + at) * vector_at(derivatives[r.parent] + at);
-        if (r.grandparent >= 0)
-          value += static_cast<Real>(r.power) * vector_at(derivatives[r.grandparent] + at);
-        vector_at(derivatives[g] + at) = value;
-      }
+      for (int d = degree - m; d > 0; --d)
+        raise_derivatives<Real>(d, x, y, z, at, derivatives);
       vector_at(derivatives[0] + at) = vector_at(radial[m] + at);
     }
   }
@@ -301,6 +336,30 @@ void translate(const Expansion_table& table, int degree, const Pack<Real>* deriv
       if (b < last)
         contract<1>(table, b++, end, at, derivatives, transposed, target_factors[d], local);
     }
+  }
+}
+
+/// adds the expansion of one source cell to the sums of as many targets as there are lanes, whose derivatives are given:
+/// factor * sum over a < `terms` of moments[4 a + c] derivatives[a][lane].
+template <class Real>
+void add_expansion(int terms, const Pack<Real>* derivatives, const Real* moments, double factor, const Sums& sums)
+{
+  for (int at = 0; at < lanes<Real>; at += Vector_of<Real>::size)
+  {
+    typename Vector_of<Real>::type sum = {}, sum_x = {}, sum_y = {}, sum_z = {};
+    // from the smallest terms to the largest
+    for (int a = terms - 1; a >= 0; --a)
+    {
+      const auto d = vector_at(derivatives[a] + at);
+      sum += moments[4 * a] * d;
+      sum_x += moments[4 * a + 1] * d;
+      sum_y += moments[4 * a + 2] * d;
+      sum_z += moments[4 * a + 3] * d;
+    }
+    add_scaled(sums.weight + at, sum, factor);
+    add_scaled(sums.x + at, sum_x, factor);
+    add_scaled(sums.y + at, sum_y, factor);
+    add_scaled(sums.z + at, sum_z, factor);
   }
 }
 

@@ -68,7 +68,7 @@ public:
   double scale(double) const { return 1; }
 
   template <class Real>
-  const Translation<Real>& translation() const
+  const Expansion<Real>& expansion() const
   {
     return common_.doubles;
   }
@@ -119,11 +119,11 @@ public:
       near_factors[lane] = static_cast<Real>(near_factor_) *
                            (A < B ? integer_power(1 / units[lane], B - A) : integer_power(units[lane], A - B));
     }
-    translation<Real>().radial_derivatives(offsets, near_factors, degree, radial);
+    expansion<Real>().radial_derivatives(offsets, near_factors, degree, radial);
   }
 
   template <class Real>
-  const Translation<Real>& translation() const
+  const Expansion<Real>& expansion() const
   {
     if constexpr (std::is_same_v<Real, float>)
       return common_.floats;
