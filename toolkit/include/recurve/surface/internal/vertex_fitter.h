@@ -62,6 +62,10 @@ inline constexpr double strictness_in_doubt = 3;
 /// Difference in lengths of the edge that is no oscillation, but what fits have to say where a surface is nearly flat.
 inline constexpr double harmless_difference = 1e-3;
 
+/// Displacement in lengths of the edge from which on a fit must bend an edge to the side that the normals at both ends
+/// tell.
+inline constexpr double clear_displacement = 1e-2;
+
 /// A parabola is given up for the flat face only where it is farther from the displacements that the normals tell than
 /// no displacement is: by this factor of the sum of squares over the edges, relative to their lengths, since normals at
 /// a rim tell half.
@@ -318,8 +322,8 @@ private:
       if (!(std::abs(own) <= bounds_.largest_displacement * edge_length))
         return {Lowering_reason::displacement, false};
       const double estimate = estimated_displacement(*surface_, vertex, neighbor);
-      if (own * estimate < 0 && std::min(std::abs(own), std::abs(estimate)) > harmless_parabola * edge_length)
-        return {Lowering_reason::disagreement, false}; // bent the other way than the normals at both ends say
+      if (own * estimate < 0 && std::min(std::abs(own), std::abs(estimate)) > clear_displacement * edge_length)
+        return {Lowering_reason::disagreement, false};
       const double negligible = bend.negligible_displacement(edge_length);
       if (std::abs(own - estimate) <= negligible)
         continue;
