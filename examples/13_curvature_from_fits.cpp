@@ -42,7 +42,7 @@ int main()
     const Kernel::Point_3& x = torus.point(v);
     const double b = std::atan2(x.z(), std::hypot(x.x(), x.y()) - 2);
     const double exact = std::cos(b) / (2 + std::cos(b));
-    const auto [largest, smallest] = fits.fit_at_source(torus.halfedge(v)).principal_curvatures();
+    const auto [largest, smallest] = fits.fit_at_source(torus.opposite(torus.halfedge(v))).principal_curvatures();
     error = std::max({error, std::abs(largest - 1), std::abs(smallest - exact)});
 
     std::set<Mesh::Vertex_index> rings;

@@ -289,8 +289,7 @@ Face_errors measure(const Mesh& mesh, const Surface_nodes<Mesh>& nodes, const Im
 
 TEST_CASE("the default has ten times less error than the paper's method", "[fit_vertices]")
 {
-  // The target is ten at all nodes (degree p = 2, as the paper's tables have it). The wave with triangles misses it at
-  // d = 5, by 8.7: its border limits it, where stencils see one side only.
+  // At all nodes (degree p = 2, as the paper's tables have it).
   std::printf("level 4, p = 2: largest error of the default, and how many times that of the paper's method\n%-26s", "");
   for (int d = 2; d <= 6; ++d)
     std::printf("  d = %d          ", d);
@@ -304,10 +303,7 @@ TEST_CASE("the default has ten times less error than the paper's method", "[fit_
       const double found = largest_node_error(curve_by_vertices(mesh, d, 2), surface.implicit);
       const double paper = largest_node_error(curve_by_faces(mesh, d, 2), surface.implicit);
       std::printf("  %.1e (%6.1f)", found, paper / found);
-      if (surface.name == "wave, triangles" && d == 5)
-        CHECK_NOFAIL(paper > 10 * found); // not reached yet: told at each run
-      else
-        CHECK(paper > 10 * found);
+      CHECK(paper > 10 * found);
     }
   }
   std::printf("\n");
@@ -468,51 +464,107 @@ std::vector<Rimmed_surface> rimmed_surfaces()
      [=](const Point& x) { return std::abs(std::hypot(x[0], x[1]) - cone_radius(x[2])) / std::hypot(1, 0.2); }}};
 }
 
-/// the largest error of the nodes of faces at a rim and of those six or more rings away from it.
-std::array<double, 2> errors_beside_and_far(Mesh& mesh, int d, const Rimmed_surface& surface)
+/// The largest errors in faces at a rim, and in those six or more rings away from it.
+struct Beside_and_far
+{
+  double beside = 0, far = 0;
+
+  double ratio() const { return beside / far; }
+};
+
+/// how many edges each vertex is from the border.
+std::vector<int> rings_from_border(const Mesh& mesh)
+{
+  std::vector<int> ring(mesh.number_of_vertices(), -1);
+  std::vector<Mesh::Vertex_index> queue;
+  const auto visit = [&](Mesh::Vertex_index v, int r) {
+    if (ring[v] >= 0)
+      return;
+    ring[v] = r;
+    queue.push_back(v);
+  };
+  for (const auto h : mesh.halfedges())
+    if (mesh.is_border(h))
+      visit(mesh.target(h), 0);
+  for (std::size_t i = 0; i < queue.size(); ++i)
+    for (const auto v : mesh.vertices_around_target(mesh.halfedge(queue[i])))
+      visit(v, ring[queue[i]] + 1);
+  return ring;
+}
+
+/// the corners of a face and its other nodes in canonical order.
+std::vector<Point> all_nodes(const Mesh& mesh, const Surface_nodes<Mesh>& nodes, Mesh::Face_index f)
+{
+  std::vector<Point> points;
+  for (const auto h : mesh.halfedges_around_face(mesh.halfedge(f)))
+    points.push_back(to_point(mesh.point(mesh.source(h))));
+  for (const auto h : mesh.halfedges_around_face(mesh.halfedge(f)))
+    for (int k = 1; k < nodes.degree(); ++k)
+      points.push_back(to_point(nodes.edge_node(h, k)));
+  for (int m = 0; m < nodes.face_node_count(f); ++m)
+    points.push_back(to_point(nodes.face_node(f, m)));
+  return points;
+}
+
+/// the largest distance of a face at its nodes, or else at 66 points or more.
+double face_error(const Mesh& mesh, const Surface_nodes<Mesh>& nodes, Mesh::Face_index f, bool is_at_nodes,
+                  const std::function<double(const Point&)>& distance)
+{
+  double largest = 0;
+  const std::vector<Point> points = all_nodes(mesh, nodes, f);
+  if (is_at_nodes)
+  {
+    for (const Point& x : points)
+      largest = std::max(largest, distance(x));
+    return largest;
+  }
+  constexpr int n = 10;
+  const bool is_triangle = mesh.degree(f) == 3;
+  const Element_type type = is_triangle ? Element_type::triangle : Element_type::quadrangle;
+  std::vector<double> values(points.size());
+  for (int j = 0; j <= n; ++j)
+    for (int i = 0; i <= (is_triangle ? n - j : n); ++i)
+    {
+      lagrange_basis(type, nodes.degree(), {1.0 * i / n, 1.0 * j / n, 0}, values);
+      Point x = {};
+      for (std::size_t m = 0; m < points.size(); ++m)
+        for (std::size_t c = 0; c < 3; ++c)
+          x[c] += values[m] * points[m][c];
+      largest = std::max(largest, distance(x));
+    }
+  return largest;
+}
+
+/// \return errors of nodes of degree 3, and of whole faces of degree `d`.
+std::array<Beside_and_far, 2> errors_beside_and_far(Mesh& mesh, int d, const Rimmed_surface& surface)
 {
   const auto is_critical = mesh.add_property_map<Mesh::Edge_index, char>("e:rim", 0).first;
   const auto is_sharp = mesh.add_property_map<Mesh::Vertex_index, char>("v:sharp", 0).first;
-  std::vector<int> ring(mesh.number_of_vertices(), -1);
-  std::vector<Mesh::Vertex_index> queue;
   for (const auto e : mesh.edges())
-    if (mesh.is_border(e))
-    {
-      is_critical[e] = 1;
-      for (const auto v : {mesh.vertex(e, 0), mesh.vertex(e, 1)})
-        if (ring[v] < 0)
-        {
-          ring[v] = 0;
-          queue.push_back(v);
-        }
-    }
-  for (std::size_t i = 0; i < queue.size(); ++i)
-    for (const auto v : mesh.vertices_around_target(mesh.halfedge(queue[i])))
-      if (ring[v] < 0)
-      {
-        ring[v] = ring[queue[i]] + 1;
-        queue.push_back(v);
-      }
+    is_critical[e] = mesh.is_border(e);
+  const std::vector<int> ring = rings_from_border(mesh);
   const auto curves = trace_feature_curves(mesh, is_critical, is_sharp);
   const auto fits = fit_vertices(mesh, {.degree = d}, CGAL::parameters::edge_is_constrained_map(is_critical));
-  Surface_nodes<Mesh> nodes(mesh, 3);
-  curve_surface(
-    mesh, fits.face_map(), curves, nodes.edge_map(), nodes.face_map(),
-    {.degree = 3, .curve_fit = {.method = Curve_method::automatic, .degree = std::min(vertex_fit_degree(d), 6)}});
-  std::array<double, 2> errors = {};
-  for (const auto f : mesh.faces())
+  std::array<Beside_and_far, 2> errors;
+  for (const bool is_at_nodes : {true, false})
   {
-    int least = 6;
-    for (const auto v : mesh.vertices_around_face(mesh.halfedge(f)))
-      least = std::min(least, ring[v]);
-    if (least > 0 && least < 6)
-      continue;
-    double& error = errors[least == 0 ? 0 : 1];
-    for (const auto h : mesh.halfedges_around_face(mesh.halfedge(f)))
-      for (int k = 1; k < nodes.degree(); ++k)
-        error = std::max(error, surface.distance(to_point(nodes.edge_node(h, k))));
-    for (int m = 0; m < nodes.face_node_count(f); ++m)
-      error = std::max(error, surface.distance(to_point(nodes.face_node(f, m))));
+    const int p = is_at_nodes ? 3 : d;
+    Surface_nodes<Mesh> nodes(mesh, p);
+    curve_surface(
+      mesh, fits.face_map(), curves, nodes.edge_map(), nodes.face_map(),
+      {.degree = p, .curve_fit = {.method = Curve_method::automatic, .degree = std::min(vertex_fit_degree(d), 6)}});
+    for (const auto f : mesh.faces())
+    {
+      int least = 6;
+      for (const auto v : mesh.vertices_around_face(mesh.halfedge(f)))
+        least = std::min(least, ring[v]);
+      Beside_and_far& found = errors[is_at_nodes ? 0 : 1];
+      if (least == 0 || least == 6)
+      {
+        double& error = least == 0 ? found.beside : found.far;
+        error = std::max(error, face_error(mesh, nodes, f, is_at_nodes, surface.distance));
+      }
+    }
   }
   return errors;
 }
@@ -522,28 +574,39 @@ std::array<double, 2> errors_beside_and_far(Mesh& mesh, int d, const Rimmed_surf
 TEST_CASE("beside feature curves the error is near that far from them", "[fit_vertices]")
 {
   constexpr std::array<int, 3> sizes = {20, 28, 40};
-  std::printf("errors of nodes of degree 3 in faces at a rim, and how many times those far from it; rates\n");
+  std::printf("faces at a rim: errors of nodes of degree 3, of whole faces of degree p = d; rates; at the last size "
+              "how many times those far from rims\n");
   for (const Rimmed_surface& surface : rimmed_surfaces())
     for (const bool is_split : {false, true})
       for (const int d : {2, 4, 6})
       {
         std::printf("%-12s %-9s d = %d ", surface.name.c_str(), is_split ? "triangles" : "quads", d);
-        std::array<std::array<double, 2>, 3> errors = {};
+        std::array<std::array<Beside_and_far, 2>, 3> errors;
         for (std::size_t i = 0; i < sizes.size(); ++i)
         {
           Mesh mesh = make_mesh(is_split ? split_quads(surface.mesh(sizes[i])) : surface.mesh(sizes[i]));
           errors[i] = errors_beside_and_far(mesh, d, surface);
-          std::printf("  %.1e (%5.1f)", errors[i][0], errors[i][0] / errors[i][1]);
         }
-        const auto rate = [&](std::size_t where) {
-          return std::log(errors[0][where] / errors[2][where]) / std::log(1.0 * sizes[2] / sizes[0]);
-        };
-        std::printf("  rates %.1f and %.1f\n", rate(0), rate(1));
         CAPTURE(surface.name, is_split, d);
-        CHECK(rate(0) > d + 1);
-        if (d == 2 && surface.name != "cylinder") // the others are told at each run: not reached yet
-          CHECK(errors[2][0] < 3 * errors[2][1]);
+        for (std::size_t k = 0; k < 2; ++k)
+        {
+          const double rate = std::log(errors[0][k].beside / errors[2][k].beside) / std::log(1.0 * sizes[2] / sizes[0]);
+          std::printf("  %.1e %.1e %.1e rate %4.1f (%5.1f)", errors[0][k].beside, errors[1][k].beside,
+                      errors[2][k].beside, rate, errors[2][k].ratio());
+          CHECK(rate > d + 1 - 0.4);
+        }
+        std::printf("\n");
+        // At d = 6 polynomials from one side would need a degree that the points do not carry: told at each run. Whole
+        // faces far from rims gain a degree where p is even, since displacements along the normal are even there;
+        // beside the rim of the lens, which is bent within the surface, nodes move along the surface too, and they do
+        // not.
+        if (d == 6)
+          CHECK_NOFAIL(errors[2][0].ratio() < 3);
         else
-          CHECK_NOFAIL(errors[2][0] < 3 * errors[2][1]);
+          CHECK(errors[2][0].ratio() < 3);
+        if (d == 6 || surface.name == "lens")
+          CHECK_NOFAIL(errors[2][1].ratio() < 3);
+        else
+          CHECK(errors[2][1].ratio() < 3);
       }
 }

@@ -35,8 +35,8 @@ struct Surface_curving_options
 /// - A node on any other edge is the mean of where the fits of the two faces lift its straight-sided position (the one
 ///   fit on a border). A flat fit (degree 0) leaves it in place.
 /// - A node inside a face is lifted by the face's fit from its straight-sided position. In a face that has an edge on
-///   such a spline it starts from the transfinite blend of the displaced edges, since the spline also moves nodes along
-///   the surface; a flat fit then leaves it in the blend.
+///   such a spline it starts from the blend of the displaced edges, since the spline also moves nodes along the surface;
+///   a flat fit then leaves it in the blend.
 ///
 /// Each edge is written once, so that faces meet exactly: in the order of `edges(g)`, from the view of `halfedge(e, g)`
 /// for each e of that range. (An edge that was made by `edge(h, g)` may have another half-edge: CGAL remembers h.) `g`
@@ -53,7 +53,8 @@ struct Surface_curving_options
 ///         written.
 /// \throws Cancelled if the progress callback asks to stop; some nodes are then written.
 /// \par Complexity  linear in the nodes.
-/// \par Source      Ims & Wang 2018, section 3.3; the blend: Gordon & Hall 1973.
+/// \par Source      Ims & Wang 2018, section 3.3; the blend: Gordon & Hall 1973 in quads, Szabo & Babuska 1991 in
+///                  triangles.
 template <class Graph, class FaceFitMap, class EdgeNodeMap, class FaceNodeMap, class NamedParameters = No_parameters>
 Curving_surface_report curve_surface(const Graph& g, FaceFitMap fits, const std::vector<Feature_curve<Graph>>& curves,
                                      EdgeNodeMap edge_nodes, FaceNodeMap face_nodes,

@@ -28,10 +28,10 @@ constexpr int vertex_fit_degree(int degree)
 }
 
 /// Highest degree of the polynomials on a rim and next to it, where those elsewhere have `polynomial_degree`: points on
-/// one side alone need four degrees more to be as near to the surface.
+/// one side alone need about twice the degree to be as near to the surface as points all around.
 constexpr int vertex_fit_degree_at_rim(int polynomial_degree)
 {
-  return polynomial_degree <= 2 ? polynomial_degree : std::min(polynomial_degree + 4, max_vertex_fit_degree);
+  return polynomial_degree <= 2 ? polynomial_degree : std::min(2 * polynomial_degree, max_vertex_fit_degree);
 }
 
 /// What the polynomials of `fit_vertices()` are fitted to.
@@ -99,7 +99,7 @@ Vertex_fits<Graph> fit_vertices(const Graph& g, const Vertex_fit_options& option
   if (options.degree < 1 || options.degree > max_fit_degree)
     throw Input_error("degree of the fits: expected 1 to 6, found " + std::to_string(options.degree));
   if (options.polynomial_degree < 0 || options.polynomial_degree > max_vertex_fit_degree)
-    throw Input_error("degree of the polynomials: expected 0 to 10, found " +
+    throw Input_error("degree of the polynomials: expected 0 to " + std::to_string(max_vertex_fit_degree) + ", found " +
                       std::to_string(options.polynomial_degree));
   if (!(options.largest_displacement > 0) || !(options.largest_disagreement > 0))
     throw Input_error("largest displacement and disagreement of the fits: expected positive numbers");

@@ -11,7 +11,7 @@
 namespace recurve {
 
 /// Largest degree of the polynomial of a `Vertex_fit`.
-inline constexpr int max_vertex_fit_degree = 10;
+inline constexpr int max_vertex_fit_degree = 12;
 
 /// What a `Vertex_fit` is good for.
 enum class Vertex_fit_state : std::uint8_t
@@ -37,7 +37,8 @@ struct Vertex_fit
   double size = 1;          ///< unit of the heights and mean distance of the neighbours, a length > 0
   std::int32_t degree = 0;  ///< 0 to max_vertex_fit_degree
   Vertex_fit_state state = Vertex_fit_state::none;
-  std::array<double, 66> coefficients = {}; ///< of s^j t^k at coefficient_number(j, k), in units of `size`; [0] is 0
+  std::array<double, static_cast<std::size_t>(coefficient_count(max_vertex_fit_degree))> coefficients =
+    {}; ///< of s^j t^k at coefficient_number(j, k), in units of `size`; [0] is 0
 
   /// height over the plane and its derivatives by s and t; lengths in the unit of the mesh.
   struct Height

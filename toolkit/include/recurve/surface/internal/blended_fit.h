@@ -23,11 +23,14 @@ public:
   /// \param fits  of two (edge), three or four corners; they must outlive this object.
   explicit Blended_fit(std::span<const Vertex_fit* const> fits) : count_(static_cast<int>(fits.size()))
   {
+    bool is_planar = false;
     for (int i = 0; i < count_; ++i)
     {
       fits_[i] = fits[static_cast<std::size_t>(i)];
       is_flat_ = is_flat_ && fits_[i]->state != Vertex_fit_state::curved;
+      is_planar = is_planar || fits_[i]->state == Vertex_fit_state::planar;
     }
+    is_flat_ = is_flat_ || is_planar; // all faces at a planar vertex are in its plane
     if (is_flat_)
       return;
     for (int i = 0; i < count_; ++i)

@@ -1,6 +1,7 @@
 #ifndef RECURVE_SURFACE_INTERNAL_PLACE_NODES_H
 #define RECURVE_SURFACE_INTERNAL_PLACE_NODES_H
 
+#include <recurve/elements/internal/blend_weights.h>
 #include <recurve/features/feature_curves.h>
 #include <recurve/surface/internal/face_normal.h>
 #include <recurve/surface/internal/straight_nodes.h>
@@ -110,31 +111,33 @@ private:
   std::vector<Curve_spline> splines_;
 };
 
-/// The blend of the displacements of a face's edges, at a node inside. `edges` holds the displacement of all p + 1
-/// nodes (zero at the ends) of each edge, from its corner to the next corner of the face.
+/// The displacements of all p + 1 nodes (zero at the ends) of each edge of a face, from its corner to the next corner.
 using Edge_displacements = std::array<std::array<Point, max_element_degree + 1>, 4>;
 
-inline Point blend_in_quad(const Edge_displacements& edges, const Lattice_node& node, int degree)
+inline const Blend_weights& blend_weights_of_face(int corner_count, int degree)
 {
-  const double x = static_cast<double>(node.i) / degree;
-  const double y = static_cast<double>(node.j) / degree;
-  const Point across = add(scaled(1 - y, edges[0][node.i]), scaled(y, edges[2][degree - node.i]));
-  const Point along = add(scaled(x, edges[1][node.j]), scaled(1 - x, edges[3][degree - node.j]));
-  return add(across, along);
+  using Table = std::array<std::array<Blend_weights, max_element_degree + 1>, 2>;
+  static const Table table = [] {
+    Table all;
+    for (std::size_t p = 1; p <= max_element_degree; ++p)
+    {
+      all[0][p] = Blend_weights(Element_type::triangle, static_cast<int>(p));
+      all[1][p] = Blend_weights(Element_type::quadrangle, static_cast<int>(p));
+    }
+    return all;
+  }();
+  return table[corner_count - 3][degree];
 }
 
-/// Each corner carries the shapes of its two edges, weighted with its barycentric coordinate (Perronnet 1998); all
-/// values are taken at nodes of the edges.
-inline Point blend_in_triangle(const Edge_displacements& edges, const Lattice_node& node, int degree)
+/// the blend of the displacements of a face's edges at its inner node `number`. It maps polynomials to polynomials of
+/// the same degree, so that nodes along a curve, which are spaced by arc length, cost the face no order.
+inline Point blend_in_face(const Edge_displacements& edges, int corner_count, int number, int degree)
 {
-  const std::array<int, 3> barycentric = {degree - node.i - node.j, node.i, node.j};
   Point sum = {0, 0, 0};
-  for (int corner = 0; corner < 3; ++corner)
+  for (const Weight_rows::Entry& entry : blend_weights_of_face(corner_count, degree).blend().row(number))
   {
-    const int next = (corner + 1) % 3;
-    const int previous = (corner + 2) % 3;
-    const Point both = add(edges[corner][barycentric[next]], edges[previous][degree - barycentric[previous]]);
-    sum = add(sum, scaled(static_cast<double>(barycentric[corner]) / degree, both));
+    const int on_edge = entry.column - corner_count; // canonical order: corners, then edge after edge
+    sum = add(sum, scaled(entry.weight, edges[on_edge / (degree - 1)][on_edge % (degree - 1) + 1]));
   }
   return sum;
 }
@@ -202,7 +205,7 @@ public:
       node.straight = straight_face_node(corners, corner_count, lattice, degree_);
       Point way = {0, 0, 0};
       if (is_blended)
-        way = corner_count == 3 ? blend_in_triangle(edges, lattice, degree_) : blend_in_quad(edges, lattice, degree_);
+        way = blend_in_face(edges, corner_count, static_cast<int>(nodes.size()), degree_);
       way = add(way, lift(fit, add(node.straight, way), corner_count, lattice));
       node.displacement = clear_round_off(way, longest, magnitude);
       nodes.push_back(node);

@@ -24,7 +24,7 @@ namespace recurve::internal::surface {
 struct Vertex_fit_bounds
 {
   int degree = 4;                    ///< of the polynomials
-  int degree_at_rim = 6;             ///< of those whose points are on one side of a rim; at least `degree`
+  int degree_at_rim = 8;             ///< of those whose points are on one side of a rim; at least `degree`
   double largest_displacement = 0.5; ///< of a mid-edge, in edge lengths
   double largest_disagreement = 0.5;
   std::span<const Point> data_normals = {}; ///< per vertex of the surface arrays, zero for none; empty: points alone
@@ -35,11 +35,13 @@ inline constexpr int degrees_more_near_rim = 2;
 
 /// A fit of a raised degree stands where two degrees change the edges by no more than this part of the bend, and the
 /// two before by no more than the second: elsewhere the points do not resolve the surface, and high degrees oscillate.
-inline constexpr double resolved_change = 0.05;
-inline constexpr double resolved_change_before = 0.2;
+inline constexpr double resolved_change = 0.005;
+inline constexpr double resolved_change_before = 0.02;
 
-/// ... and where the changes do not grow. Noise makes them grow, to more than twice for each two degrees.
+/// ... and where the changes do not grow: noise makes them grow, to more than twice for each two degrees. Changes below
+/// this part of the bend may be noise and do no harm.
 inline constexpr double largest_growth = 1;
+inline constexpr double harmless_change = 1e-4;
 
 /// What became of one vertex.
 struct Vertex_result
@@ -99,7 +101,7 @@ public:
     if (surface_->is_tip[vertex] || has_concentrated_curvature(*surface_, vertex) ||
         surface_->normals[vertex] == Point{0, 0, 0} || !set_axes(vertex, result.fit))
       return result;
-    if (!surface_->is_rim[vertex] && has_coplanar_faces(vertex, result.fit))
+    if (is_in_planar_part(vertex, result.fit))
     {
       result.fit.state = Vertex_fit_state::planar;
       return result;
@@ -163,9 +165,24 @@ private:
     return true;
   }
 
-  /// whether the faces around `vertex` lie in one plane, to round-off: then it is in a planar part of the surface, even
-  /// where a wider stencil would see the bend beside it. (On a rim there may be one face only.)
-  bool has_coplanar_faces(Index vertex, const Vertex_fit& frame) const
+  /// whether `vertex` is in a planar part of the surface, even where a wider stencil would see the bend beside it: the
+  /// faces around it are in one plane, and so are those around each corner of one of them. (Where a surface changes the
+  /// side to which it bends, a row of vertices may have that too, but no face; and on a rim one face alone says
+  /// nothing.)
+  bool is_in_planar_part(Index vertex, const Vertex_fit& frame) const
+  {
+    if (!has_faces_in_plane(vertex, frame))
+      return false;
+    const auto corners = surface_->corners_of_vertex(vertex);
+    return std::any_of(corners.begin(), corners.end(), [&](Index corner) {
+      const auto of_face = surface_->corners_of_face(surface_->corner_faces[corner]);
+      return std::any_of(of_face.begin(), of_face.end(), [&](Index v) { return !surface_->is_rim[v]; }) &&
+             std::all_of(of_face.begin(), of_face.end(), [&](Index v) { return has_faces_in_plane(v, frame); });
+    });
+  }
+
+  /// whether all faces around `vertex` lie in the plane of `frame`, to round-off.
+  bool has_faces_in_plane(Index vertex, const Vertex_fit& frame) const
   {
     const std::span<const Index> corners = surface_->corners_of_vertex(vertex);
     return std::all_of(corners.begin(), corners.end(), [&](Index corner) {
@@ -336,8 +353,7 @@ private:
       const bool is_doubtful = departs(estimate, largest_departure, unsure);
       if (!has_lower)
       {
-        lower = fit;
-        if (!solve_lower(degree - 2, lower))
+        if (!solve_next_lower(vertex, degree, fit, lower))
           return {Lowering_reason::not_finite, false};
         has_lower = true;
       }
@@ -347,6 +363,35 @@ private:
         return {Lowering_reason::disagreement, false};
     }
     return {};
+  }
+
+  /// sets `lower` to the fit of two degrees less, for comparison with `fit`. Where the points do not determine all terms
+  /// of `fit`, those of so many degrees may be missing that both are the same and their agreement means nothing: then to
+  /// the first lower one that differs.
+  bool solve_next_lower(Index vertex, int degree, const Vertex_fit& fit, Vertex_fit& lower) const
+  {
+    const bool lacks_terms = has_missing_terms(fit, degree);
+    lower = fit;
+    for (int d = degree - 2; d > 0; d -= 2)
+    {
+      if (!solve_lower(d, lower))
+        return false;
+      if (!lacks_terms || !agree(vertex, fit, lower))
+        break;
+    }
+    return true;
+  }
+
+  /// whether two fits displace all edges at `vertex` alike, to round-off.
+  bool agree(Index vertex, const Vertex_fit& a, const Vertex_fit& b) const
+  {
+    constexpr double round_off = 1e-9;
+    const auto neighbors = surface_->neighbors_of(vertex);
+    return std::all_of(neighbors.begin(), neighbors.end(), [&](Index neighbor) {
+      const Point& end = surface_->points[neighbor];
+      const double of_a = middle_displacement(a, end), of_b = middle_displacement(b, end);
+      return std::abs(of_a - of_b) <= round_off * std::max(std::abs(of_a), length(subtract(end, a.origin)));
+    });
   }
 
   /// whether a fit of degree 2 or less, after which there is none, is better than no displacement at all.
@@ -377,6 +422,8 @@ private:
     Vertex_fit lower = fit, lowest = fit;
     if (degree < 5 || !solve_lower(degree - 2, lower) || !solve_lower(degree - 4, lowest))
       return false;
+    if (has_missing_terms(fit, degree) && agree(vertex, fit, lower))
+      return false;
     double last_change = 0, change_before = 0, bend = 0;
     for (const Index neighbor : surface_->neighbors_of(vertex))
     {
@@ -386,8 +433,15 @@ private:
       last_change = std::max(last_change, std::abs(middle_displacement(fit, end) - middle));
       change_before = std::max(change_before, std::abs(middle - middle_displacement(lowest, end)));
     }
-    return last_change <= largest_growth * change_before && last_change <= resolved_change * bend &&
-           change_before <= resolved_change_before * bend;
+    const bool is_growing = last_change > largest_growth * change_before && last_change > harmless_change * bend;
+    return !is_growing && last_change <= resolved_change * bend && change_before <= resolved_change_before * bend;
+  }
+
+  /// whether the solver left out terms that the points do not determine.
+  static bool has_missing_terms(const Vertex_fit& fit, int degree)
+  {
+    const auto first = fit.coefficients.begin();
+    return std::find(first + 1, first + coefficient_count(degree), 0.0) != first + coefficient_count(degree);
   }
 
   static bool has_no_terms(const Vertex_fit& fit, int degree)

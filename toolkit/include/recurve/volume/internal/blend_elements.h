@@ -6,7 +6,7 @@
 #include <recurve/elements/element.h>
 #include <recurve/elements/node_layout.h>
 #include <recurve/volume/element_block.h>
-#include <recurve/volume/internal/blend_weights.h>
+#include <recurve/elements/internal/blend_weights.h>
 #include <recurve/volume/internal/point_access.h>
 #include <recurve/volume/node_state.h>
 

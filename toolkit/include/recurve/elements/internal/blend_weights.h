@@ -1,5 +1,5 @@
-#ifndef RECURVE_VOLUME_INTERNAL_BLEND_WEIGHTS_H
-#define RECURVE_VOLUME_INTERNAL_BLEND_WEIGHTS_H
+#ifndef RECURVE_ELEMENTS_INTERNAL_BLEND_WEIGHTS_H
+#define RECURVE_ELEMENTS_INTERNAL_BLEND_WEIGHTS_H
 
 #include <recurve/elements/element.h>
 #include <recurve/elements/node_layout.h>
