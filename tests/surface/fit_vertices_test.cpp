@@ -409,7 +409,7 @@ TEST_CASE("documented outcomes of degenerate input", "[fit_vertices]")
   CHECK(report.lowerings[0].reason == Lowering_reason::no_normal);
   CHECK_THROWS_AS(fit_vertices(one, {.degree = 0}), Input_error);
   CHECK_THROWS_AS(fit_vertices(one, {.degree = 7}), Input_error);
-  CHECK_THROWS_AS(fit_vertices(one, {.polynomial_degree = 11}), Input_error);
+  CHECK_THROWS_AS(fit_vertices(one, {.polynomial_degree = max_vertex_fit_degree + 1}), Input_error);
   one.point(third) = Point_3(2, std::nan(""), 0);
   CHECK_THROWS_AS(fit_vertices(one), Input_error);
 }

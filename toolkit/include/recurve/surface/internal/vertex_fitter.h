@@ -7,6 +7,8 @@
 #include <recurve/surface/internal/fit_points.h>
 #include <recurve/surface/internal/surface_arrays.h>
 #include <recurve/surface/internal/vector_3.h>
+#include <recurve/surface/internal/vertex_fit_judge.h>
+#include <recurve/surface/internal/vertex_fit_solver.h>
 #include <recurve/surface/policies.h>
 #include <recurve/surface/reconstruction_report.h>
 #include <recurve/surface/stencil_builder.h>
@@ -20,28 +22,8 @@
 
 namespace recurve::internal::surface {
 
-/// What the fits of vertices have to keep to; see `Vertex_fit_options`.
-struct Vertex_fit_bounds
-{
-  int degree = 4;                    ///< of the polynomials
-  int degree_at_rim = 8;             ///< of those whose points are on one side of a rim; at least `degree`
-  double largest_displacement = 0.5; ///< of a mid-edge, in edge lengths
-  double largest_disagreement = 0.5;
-  std::span<const Point> data_normals = {}; ///< per vertex of the surface arrays, zero for none; empty: points alone
-};
-
 /// Degrees more where a stencil touches a rim that is two or more edges away.
 inline constexpr int degrees_more_near_rim = 2;
-
-/// A fit of a raised degree stands where two degrees change the edges by no more than this part of the bend, and the
-/// two before by no more than the second: elsewhere the points do not resolve the surface, and high degrees oscillate.
-inline constexpr double resolved_change = 0.005;
-inline constexpr double resolved_change_before = 0.02;
-
-/// ... and where the changes do not grow: noise makes them grow, to more than twice for each two degrees. Changes below
-/// this part of the bend may be noise and do no harm.
-inline constexpr double largest_growth = 1;
-inline constexpr double harmless_change = 1e-4;
 
 /// What became of one vertex.
 struct Vertex_result
@@ -54,29 +36,6 @@ struct Vertex_result
 /// Spread of the neighbours of a vertex, the smaller over the larger, below which they count as a line.
 inline constexpr double least_spread_ratio = 1e-8;
 
-/// Difference of the displacements of a fit and of the normals' estimate, over the larger: beyond it the fit
-/// oscillates. At a border the estimate is half of the truth.
-inline constexpr double largest_departure = 0.75;
-
-/// Where a fit departs from the normals' estimate it must agree so many times better with the fit of two degrees less.
-inline constexpr double strictness_in_doubt = 3;
-
-/// Difference in lengths of the edge that is no oscillation, but what fits have to say where a surface is nearly flat.
-inline constexpr double harmless_difference = 1e-3;
-
-/// Displacement in lengths of the edge from which on a fit must bend an edge to the side that the normals at both ends
-/// tell.
-inline constexpr double clear_displacement = 1e-2;
-
-/// A parabola is given up for the flat face only where it is farther from the displacements that the normals tell than
-/// no displacement is: by this factor of the sum of squares over the edges, relative to their lengths, since normals at
-/// a rim tell half.
-inline constexpr double largest_square_ratio = 1.25;
-
-/// What the normals tell at a rim may be off by the whole bend, since a normal there is that of one side: as many times
-/// what is negligible elsewhere.
-inline constexpr double uncertainty_at_rim = 3;
-
 /// Cosine between the normal of a fit and one that is data, from which on it is of use: slopes below ten.
 inline constexpr double least_upright = 0.1;
 
@@ -86,7 +45,8 @@ class Vertex_fitter
 {
 public:
   Vertex_fitter(const Surface_arrays& surface, const Policies& policies, const Vertex_fit_bounds& bounds)
-    : surface_(&surface), policies_(&policies), builder_(surface, bounds.data_normals.empty() ? 1 : 3), bounds_(bounds),
+    : surface_(&surface), policies_(&policies), solver_(policies),
+      builder_(surface, bounds.data_normals.empty() ? 1 : 3), bounds_(bounds),
       has_twins_(surface.vertex_count() > 0 && surface.original_vertices.back() + 1 != surface.vertex_count()),
       data_normals_(bounds.data_normals)
   {}
@@ -114,12 +74,14 @@ public:
       if (d < first)
         gather_points(vertex, result.fit, d);
       if (is_planar_)
+      {
         result.fit.state = Vertex_fit_state::planar;
-      if (is_planar_)
         return result;
+      }
       result.stencil_size = builder_.size();
-      const Verdict verdict =
-        solve(d, result.fit) ? judge(vertex, d, result.fit, bend) : Verdict{Lowering_reason::not_finite, false};
+      Fit_verdict verdict = {Lowering_reason::not_finite, false};
+      if (solver_.solve(d, result.fit))
+        verdict = Vertex_fit_judge(*surface_, bounds_, solver_, bend, vertex).judge(d, result.fit);
       if (d == first && !(verdict.is_good && result.fit.degree == first))
         result.reason = verdict.reason; // the reason of the first lowering stands
       if (verdict.is_good)
@@ -232,7 +194,7 @@ private:
     const std::span<Index> vertices = builder_.vertices();
     if (has_twins_)
       std::sort(vertices.begin(), vertices.end());
-    points_.clear();
+    solver_.points().clear();
     is_planar_ = true;
     if (has_normals())
       add_slope(vertex, {0, 0, 0}, frame, weight_of(1, 1, degree)); // its own normal counts as much as a neighbour's
@@ -252,7 +214,7 @@ private:
       weight_of(std::sqrt(local[0] * local[0] + local[1] * local[1]), dot(surface_->normals[vertex], frame.n), degree);
     if (!(weight > 0) || !std::isfinite(weight))
       return;
-    points_.add(local[0], local[1], height, weight);
+    solver_.points().add(local[0], local[1], height, weight);
     if (has_normals())
       add_slope(vertex, local, frame, weight);
     if (is_off_plane(x, frame))
@@ -276,189 +238,18 @@ private:
     // The surface is size * h(s, t) high: n - size (h_s s_axis + h_t t_axis) is across it.
     const double by_s = -dot(normal, frame.s_axis) / (up * frame.size * dot(frame.s_axis, frame.s_axis));
     const double by_t = -dot(normal, frame.t_axis) / (up * frame.size * dot(frame.t_axis, frame.t_axis));
-    points_.add_slope(local[0], local[1], by_s, by_t, weight);
-  }
-
-  /// sets coefficients, degree and state of `fit`. \return whether they are finite.
-  bool solve(int degree, Vertex_fit& fit) const
-  {
-    const std::span<double> coefficients(fit.coefficients.data(), static_cast<std::size_t>(coefficient_count(degree)));
-    fit.coefficients = {};
-    policies_->solver(points_.view(true), degree, coefficients);
-    return accept(degree, fit);
-  }
-
-  /// the same for a lower degree and the points that were solved for last.
-  bool solve_lower(int degree, Vertex_fit& fit) const
-  {
-    if constexpr (requires(std::span<double> c) { policies_->solver.solve_lower(degree, c); })
-    {
-      fit.coefficients = {};
-      policies_->solver.solve_lower(degree,
-                                    {fit.coefficients.data(), static_cast<std::size_t>(coefficient_count(degree))});
-      return accept(degree, fit);
-    }
-    else
-      return solve(degree, fit);
-  }
-
-  static bool accept(int degree, Vertex_fit& fit)
-  {
-    const std::span<const double> coefficients(fit.coefficients.data(),
-                                               static_cast<std::size_t>(coefficient_count(degree)));
-    if (!std::all_of(coefficients.begin(), coefficients.end(), [](double c) { return std::isfinite(c); }))
-      return false;
-    fit.degree = degree;
-    while (fit.degree > 0 && has_no_terms(fit, fit.degree))
-      --fit.degree;
-    fit.state = fit.degree > 0 ? Vertex_fit_state::curved : Vertex_fit_state::flat;
-    return true;
-  }
-
-  struct Verdict
-  {
-    Lowering_reason reason = Lowering_reason::undetermined;
-    bool is_good = true;
-  };
-
-  /// whether `fit` can be trusted on the edges at `vertex`. Where it departs from what the normals tell, it must agree
-  /// with the fit of two degrees less: a series that converges does.
-  Verdict judge(Index vertex, int degree, const Vertex_fit& fit, const Estimated_bend& bend) const
-  {
-    if (degree <= 2)
-      return judge_parabola(vertex, fit);
-    if (degree > bounds_.degree && !is_converging(vertex, degree, fit))
-      return {Lowering_reason::disagreement, false};
-    Vertex_fit lower;
-    bool has_lower = false;
-    for (const Index neighbor : surface_->neighbors_of(vertex))
-    {
-      const Point& end = surface_->points[neighbor];
-      const double edge_length = length(subtract(end, fit.origin));
-      const double own = middle_displacement(fit, end);
-      if (!(std::abs(own) <= bounds_.largest_displacement * edge_length))
-        return {Lowering_reason::displacement, false};
-      const double estimate = estimated_displacement(*surface_, vertex, neighbor);
-      if (own * estimate < 0 && std::min(std::abs(own), std::abs(estimate)) > clear_displacement * edge_length)
-        return {Lowering_reason::disagreement, false};
-      const double negligible = bend.negligible_displacement(edge_length);
-      if (std::abs(own - estimate) <= negligible)
-        continue;
-      const auto departs = [&](double other, double bound, double least) {
-        const double difference = std::abs(own - other);
-        return difference > least && difference > bound * std::max(std::abs(own), std::abs(other));
-      };
-      const bool is_at_rim = surface_->is_rim[vertex] || surface_->is_rim[neighbor];
-      const double unsure = is_at_rim ? uncertainty_at_rim * negligible : negligible;
-      const bool is_doubtful = departs(estimate, largest_departure, unsure);
-      if (!has_lower)
-      {
-        if (!solve_next_lower(vertex, degree, fit, lower))
-          return {Lowering_reason::not_finite, false};
-        has_lower = true;
-      }
-      const double strictness = is_doubtful ? strictness_in_doubt : 1;
-      if (departs(middle_displacement(lower, end), bounds_.largest_disagreement / strictness,
-                  std::max(negligible / strictness, harmless_difference * edge_length)))
-        return {Lowering_reason::disagreement, false};
-    }
-    return {};
-  }
-
-  /// sets `lower` to the fit of two degrees less, for comparison with `fit`. Where the points do not determine all terms
-  /// of `fit`, those of so many degrees may be missing that both are the same and their agreement means nothing: then to
-  /// the first lower one that differs.
-  bool solve_next_lower(Index vertex, int degree, const Vertex_fit& fit, Vertex_fit& lower) const
-  {
-    const bool lacks_terms = has_missing_terms(fit, degree);
-    lower = fit;
-    for (int d = degree - 2; d > 0; d -= 2)
-    {
-      if (!solve_lower(d, lower))
-        return false;
-      if (!lacks_terms || !agree(vertex, fit, lower))
-        break;
-    }
-    return true;
-  }
-
-  /// whether two fits displace all edges at `vertex` alike, to round-off.
-  bool agree(Index vertex, const Vertex_fit& a, const Vertex_fit& b) const
-  {
-    constexpr double round_off = 1e-9;
-    const auto neighbors = surface_->neighbors_of(vertex);
-    return std::all_of(neighbors.begin(), neighbors.end(), [&](Index neighbor) {
-      const Point& end = surface_->points[neighbor];
-      const double of_a = middle_displacement(a, end), of_b = middle_displacement(b, end);
-      return std::abs(of_a - of_b) <= round_off * std::max(std::abs(of_a), length(subtract(end, a.origin)));
-    });
-  }
-
-  /// whether a fit of degree 2 or less, after which there is none, is better than no displacement at all.
-  Verdict judge_parabola(Index vertex, const Vertex_fit& fit) const
-  {
-    double departure = 0, flat_departure = 0;
-    for (const Index neighbor : surface_->neighbors_of(vertex))
-    {
-      const Point& end = surface_->points[neighbor];
-      const double edge_length = length(subtract(end, fit.origin));
-      if (!(edge_length > 0))
-        continue;
-      const double own = middle_displacement(fit, end) / edge_length;
-      if (!(std::abs(own) <= bounds_.largest_displacement))
-        return {Lowering_reason::displacement, false};
-      const double estimate = estimated_displacement(*surface_, vertex, neighbor) / edge_length;
-      departure += (own - estimate) * (own - estimate);
-      flat_departure += estimate * estimate;
-    }
-    if (departure > largest_square_ratio * flat_departure)
-      return {Lowering_reason::disagreement, false};
-    return {};
-  }
-
-  /// whether the fits of two and of four degrees less, to the same points, come ever nearer to `fit`.
-  bool is_converging(Index vertex, int degree, const Vertex_fit& fit) const
-  {
-    Vertex_fit lower = fit, lowest = fit;
-    if (degree < 5 || !solve_lower(degree - 2, lower) || !solve_lower(degree - 4, lowest))
-      return false;
-    if (has_missing_terms(fit, degree) && agree(vertex, fit, lower))
-      return false;
-    double last_change = 0, change_before = 0, bend = 0;
-    for (const Index neighbor : surface_->neighbors_of(vertex))
-    {
-      const Point& end = surface_->points[neighbor];
-      const double middle = middle_displacement(lower, end);
-      bend = std::max(bend, std::abs(middle));
-      last_change = std::max(last_change, std::abs(middle_displacement(fit, end) - middle));
-      change_before = std::max(change_before, std::abs(middle - middle_displacement(lowest, end)));
-    }
-    const bool is_growing = last_change > largest_growth * change_before && last_change > harmless_change * bend;
-    return !is_growing && last_change <= resolved_change * bend && change_before <= resolved_change_before * bend;
-  }
-
-  /// whether the solver left out terms that the points do not determine.
-  static bool has_missing_terms(const Vertex_fit& fit, int degree)
-  {
-    const auto first = fit.coefficients.begin();
-    return std::find(first + 1, first + coefficient_count(degree), 0.0) != first + coefficient_count(degree);
-  }
-
-  static bool has_no_terms(const Vertex_fit& fit, int degree)
-  {
-    return std::all_of(fit.coefficients.begin() + coefficient_count(degree - 1),
-                       fit.coefficients.begin() + coefficient_count(degree), [](double c) { return c == 0; });
+    solver_.points().add_slope(local[0], local[1], by_s, by_t, weight);
   }
 
   const Surface_arrays* surface_;
   const Policies* policies_;
+  Vertex_fit_solver<Policies> solver_;
   Stencil_builder builder_;
   Vertex_fit_bounds bounds_;
   bool has_twins_; ///< some vertices are on several regions
   bool is_planar_ = false;
   double slope_noise_ = 0; ///< tilt of the normal by the resolution of the points, per unit of that resolution
   std::span<const Point> data_normals_; ///< per vertex; zero: none. Empty: points alone are data
-  Fit_points points_;
 };
 
 } // namespace recurve::internal::surface
