@@ -1,8 +1,8 @@
 // Times the reconstruction and curving of a surface.
 //
-//   reconstruct_surface_benchmark [faces = 200000] [threads = 1]
+//   reconstruct_surface_benchmark [faces = 200000] [threads = 1] [triangles | quads]
 //
-// The surface is a torus of jittered triangles. The first table is that of the paper's method, the second that of the
+// The surface is a torus of jittered faces. The first table is that of the paper's method, the second that of the
 // default, fit_vertices(): one line per degree d of the fits with the mean stencil, faces per second (of the clock and
 // of the processor) with all set-up, and nodes per second of curve_surface() for elements of degree 3. The second also
 // has the fits per second and, on the same number of points and with the same degree of the polynomial, those of CGAL's
@@ -26,6 +26,7 @@
 #include <numbers>
 #include <optional>
 #include <random>
+#include <string_view>
 #include <vector>
 
 namespace {
@@ -33,8 +34,8 @@ namespace {
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Mesh = CGAL::Surface_mesh<Kernel::Point_3>;
 
-/// a torus of 4 n^2 triangles, jittered by a fixed seed.
-Mesh torus(int n)
+/// a torus of 2 n^2 quads or 4 n^2 triangles, jittered by a fixed seed.
+Mesh torus(int n, bool has_quads)
 {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> jitter(-0.15, 0.15);
@@ -51,10 +52,13 @@ Mesh torus(int n)
   const auto at = [&](int i, int j) { return vertices[static_cast<std::size_t>(i % (2 * n) + j % n * 2 * n)]; };
   for (int j = 0; j < n; ++j)
     for (int i = 0; i < 2 * n; ++i)
-    {
-      mesh.add_face(at(i, j), at(i + 1, j), at(i + 1, j + 1));
-      mesh.add_face(at(i, j), at(i + 1, j + 1), at(i, j + 1));
-    }
+      if (has_quads)
+        mesh.add_face(at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1));
+      else
+      {
+        mesh.add_face(at(i, j), at(i + 1, j), at(i + 1, j + 1));
+        mesh.add_face(at(i, j), at(i + 1, j + 1), at(i, j + 1));
+      }
   return mesh;
 }
 
@@ -165,8 +169,10 @@ int main(int argc, char** argv)
   const double faces = argc > 1 ? std::atof(argv[1]) : 200000;
   const std::size_t threads = argc > 2 ? static_cast<std::size_t>(std::atoi(argv[2])) : 1;
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-  Mesh mesh = torus(std::max(3, static_cast<int>(std::sqrt(faces / 4))));
-  std::printf("%zu faces, %zu thread(s)\n", std::size_t(mesh.number_of_faces()), threads);
+  const bool has_quads = argc > 3 && std::string_view(argv[3]) == "quads";
+  Mesh mesh = torus(std::max(3, static_cast<int>(std::sqrt(faces / (has_quads ? 2 : 4)))), has_quads);
+  std::printf("%zu %s, %zu thread(s)\n", std::size_t(mesh.number_of_faces()), has_quads ? "quads" : "triangles",
+              threads);
   time_paper(mesh);
   time_default(mesh);
   return 0;

@@ -32,10 +32,21 @@ inline double angle_defect(const Surface_arrays& surface, Index vertex)
   return defect;
 }
 
+/// whether the normals of the faces around `vertex` are so near to its own that the defect, which is the area that they
+/// enclose on the unit sphere, is small, even if they go round twice. (Quick: most vertices are.)
+inline bool is_nearly_flat(const Surface_arrays& surface, Index vertex)
+{
+  constexpr double least_cosine = 1 - least_tip_defect / (4 * std::numbers::pi);
+  const auto corners = surface.corners_of_vertex(vertex);
+  return std::all_of(corners.begin(), corners.end(), [&](Index corner) {
+    return dot(surface.face_normals[surface.corner_faces[corner]], surface.normals[vertex]) >= least_cosine;
+  });
+}
+
 /// whether curvature is concentrated in `vertex`, as at the tip of a cone: no polynomial says anything about it.
 inline bool has_concentrated_curvature(const Surface_arrays& surface, Index vertex)
 {
-  if (surface.is_rim[vertex])
+  if (surface.is_rim[vertex] || is_nearly_flat(surface, vertex))
     return false;
   const double defect = std::abs(angle_defect(surface, vertex));
   if (!(defect > least_tip_defect))

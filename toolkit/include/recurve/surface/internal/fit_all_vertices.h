@@ -73,11 +73,10 @@ private:
   void fit(std::span<const Index> vertices)
   {
     for_each(vertices, [this](Index v, std::size_t) {
-      Vertex_result result = fitters_.local().fit(v, degrees_[v]);
+      const Vertex_result result = fitters_.local().fit(v, degrees_[v], fits_[v]);
       stencil_sizes_[v] = static_cast<std::int32_t>(result.stencil_size);
       if (degrees_[v] >= bounds_.degree)
         reasons_[v] = result.reason; // the reason of the first lowering stands
-      fits_[v] = result.fit;
       set_displacements(v);
     });
   }

@@ -12,6 +12,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstring>
 #include <span>
 #include <vector>
 
@@ -19,28 +20,49 @@ namespace recurve::internal::surface {
 
 inline constexpr int max_columns = coefficient_count(max_vertex_fit_degree);
 
-/// The weighted equations of one fit, column by column, with columns of unit length. Memory is kept from fit to fit.
-class Scaled_equations
+/// Two numbers that the processor handles at a time.
+using Number_pair [[gnu::vector_size(2 * sizeof(double))]] = double;
+
+inline Number_pair load_pair(const double* values)
+{
+  Number_pair pair;
+  std::memcpy(&pair, values, sizeof(pair));
+  return pair;
+}
+
+inline void store_pair(const Number_pair& pair, double* values)
+{
+  std::memcpy(values, &pair, sizeof(pair));
+}
+
+/// The weighted equations of one fit, column by column; an odd number of rows is followed by one of zeros. Memory is
+/// kept from fit to fit.
+class Weighted_equations
 {
 public:
   void set(const Weighted_points& points, int degree);
 
   int rows() const { return rows_; }
   int columns() const { return columns_; }
+  int stride() const { return stride_; }                       ///< between columns, even
   int first_coefficient() const { return first_coefficient_; } ///< coefficient of column 0
-  double* column(int c) { return values_.data() + static_cast<std::size_t>(c) * static_cast<std::size_t>(rows_); }
+  double* column(int c) { return values_.data() + static_cast<std::size_t>(c) * static_cast<std::size_t>(stride_); }
   double* rhs() { return column(columns_); }
-  double scaling(int c) const { return scaling_[static_cast<std::size_t>(c)]; } ///< 0 for a column of zeros
+  double* spare() { return column(columns_ + 1); } ///< as long as a column
+
+  /// as they were set.
+  double column_length(int c) const { return lengths_[static_cast<std::size_t>(c)]; }
 
 private:
   void set_points(const Weighted_points& points, int degree);
   void set_slopes(const Weighted_points& points, int degree);
 
   int rows_ = 0;
+  int stride_ = 0;
   int columns_ = 0;
   int first_coefficient_ = 0;
   std::vector<double> values_;
-  std::array<double, max_columns> scaling_;
+  std::array<double, max_columns> lengths_;
 };
 
 inline double dot_product(const double* a, const double* b, int count)
@@ -60,32 +82,29 @@ inline double dot_product(const double* a, const double* b, int count)
   return (s0 + s2) + (s1 + s3);
 }
 
-inline void Scaled_equations::set(const Weighted_points& points, int degree)
+inline void Weighted_equations::set(const Weighted_points& points, int degree)
 {
   rows_ = static_cast<int>(points.size() + 2 * points.slopes.size());
   first_coefficient_ = points.is_through_origin ? 1 : 0;
   columns_ = coefficient_count(degree) - first_coefficient_;
-  const std::size_t size = static_cast<std::size_t>(rows_) * static_cast<std::size_t>(columns_ + 2);
+  stride_ = rows_ + rows_ % 2;
+  const std::size_t size = static_cast<std::size_t>(stride_) * static_cast<std::size_t>(columns_ + 2);
   if (values_.size() < size)
     values_.resize(size);
   set_points(points, degree);
   if (points.slopes.size() > 0)
     set_slopes(points, degree);
+  for (int c = 0; c <= columns_ && stride_ > rows_; ++c)
+    column(c)[rows_] = 0;
   for (int c = 0; c < columns_; ++c)
-  {
-    double* const values = column(c);
-    const double norm = std::sqrt(dot_product(values, values, rows_));
-    scaling_[static_cast<std::size_t>(c)] = norm > 0 ? 1 / norm : 0;
-    for (int i = 0; i < rows_; ++i)
-      values[i] *= scaling_[static_cast<std::size_t>(c)];
-  }
+    lengths_[static_cast<std::size_t>(c)] = std::sqrt(dot_product(column(c), column(c), rows_));
 }
 
 /// the first rows: one per height.
-inline void Scaled_equations::set_points(const Weighted_points& points, int degree)
+inline void Weighted_equations::set_points(const Weighted_points& points, int degree)
 {
   const int count = static_cast<int>(points.size());
-  double* const root = column(columns_ + 1);
+  double* const root = spare();
   for (std::size_t i = 0; i < points.size(); ++i)
   {
     root[i] = std::sqrt(points.weight[i]);
@@ -108,7 +127,7 @@ inline void Scaled_equations::set_points(const Weighted_points& points, int degr
 }
 
 /// the rows after them: two per slope.
-inline void Scaled_equations::set_slopes(const Weighted_points& points, int degree)
+inline void Weighted_equations::set_slopes(const Weighted_points& points, int degree)
 {
   const Weighted_slopes& slopes = points.slopes;
   std::array<double, max_columns> monomials;
@@ -137,38 +156,33 @@ inline void Scaled_equations::set_slopes(const Weighted_points& points, int degr
   }
 }
 
-inline Scaled_equations& equations_of_thread()
+inline Weighted_equations& equations_of_thread()
 {
-  thread_local Scaled_equations equations;
+  thread_local Weighted_equations equations;
   return equations;
 }
 
 /// subtracts factor * (v . a) * v from each of `Columns` columns a, which are `stride` apart. Several at a time load v
-/// once.
+/// once. \param count  even.
 template <int Columns>
 void reflect(const double* v, double* first, int stride, int count, double factor)
 {
-  std::array<std::array<double, 2>, Columns> sums = {};
   const auto column = [&](int c) { return first + static_cast<std::ptrdiff_t>(c) * stride; };
-  int i = 0;
-  for (; i + 2 <= count; i += 2)
+  std::array<Number_pair, Columns> sums = {};
+  for (int i = 0; i < count; i += 2)
+  {
+    const Number_pair x = load_pair(v + i);
     for (int c = 0; c < Columns; ++c)
-    {
-      sums[static_cast<std::size_t>(c)][0] += v[i] * column(c)[i];
-      sums[static_cast<std::size_t>(c)][1] += v[i + 1] * column(c)[i + 1];
-    }
-  std::array<double, Columns> amounts;
-  for (int c = 0; c < Columns; ++c)
-  {
-    const auto& sum = sums[static_cast<std::size_t>(c)];
-    amounts[static_cast<std::size_t>(c)] = factor * (sum[0] + sum[1] + (i < count ? v[i] * column(c)[i] : 0));
+      sums[static_cast<std::size_t>(c)] += x * load_pair(column(c) + i);
   }
-  for (int c = 0; c < Columns; ++c)
+  std::array<double, Columns> amounts;
+  for (std::size_t c = 0; c < Columns; ++c)
+    amounts[c] = factor * (sums[c][0] + sums[c][1]);
+  for (int i = 0; i < count; i += 2)
   {
-    double* const values = column(c);
-    const double amount = amounts[static_cast<std::size_t>(c)];
-    for (int k = 0; k < count; ++k)
-      values[k] -= amount * v[k];
+    const Number_pair x = load_pair(v + i);
+    for (int c = 0; c < Columns; ++c)
+      store_pair(load_pair(column(c) + i) - amounts[static_cast<std::size_t>(c)] * x, column(c) + i);
   }
 }
 
@@ -185,29 +199,33 @@ inline constexpr int ordinary_degree = 8;
 inline constexpr double easing_per_degree = 0.1;
 
 /// turns the equations to triangular form. A column whose part across those before it is not longer than
-/// `least_independence` is left out; its rows stay as they are. On return column triangle.columns[c] holds column c of
-/// R in its first rows, and the first rows of the right-hand side belong to it.
-inline Triangle triangulate(Scaled_equations& equations, double least_independence)
+/// `least_independence` times its length is left out; its rows stay as they are. On return column triangle.columns[c]
+/// holds column c of R in its first rows, and the first rows of the right-hand side belong to it.
+inline Triangle triangulate(Weighted_equations& equations, double least_independence)
 {
   const int rows = equations.rows();
   const int columns = equations.columns();
+  double* const v = equations.spare();
   Triangle triangle;
   for (int c = 0; c < columns && triangle.size < rows; ++c)
   {
     const int row = triangle.size;
     double* const pivot = equations.column(c);
-    const int rest = rows - row;
-    const double norm = std::sqrt(dot_product(pivot + row, pivot + row, rest));
-    if (!(norm > least_independence))
+    const double length = std::sqrt(dot_product(pivot + row, pivot + row, rows - row));
+    if (!(length > least_independence * equations.column_length(c)))
       continue;
-    const double diagonal = pivot[row] > 0 ? -norm : norm;
-    pivot[row] -= diagonal; // pivot[row...] is now Householder's vector
-    const double factor = -1 / (diagonal * pivot[row]);
+    const double diagonal = pivot[row] > 0 ? -length : length;
+    const int first = row - row % 2; // pairs of numbers: a zero may come before Householder's vector
+    v[first] = 0;
+    std::copy(pivot + row, pivot + equations.stride(), v + row);
+    v[row] -= diagonal;
+    const double factor = -1 / (diagonal * v[row]);
+    const int count = equations.stride() - first;
     int other = c + 1;
     for (; other + 4 <= columns + 1; other += 4)
-      reflect<4>(pivot + row, equations.column(other) + row, rows, rest, factor);
+      reflect<4>(v + first, equations.column(other) + first, equations.stride(), count, factor);
     for (; other <= columns; ++other)
-      reflect<1>(pivot + row, equations.column(other) + row, rows, rest, factor);
+      reflect<1>(v + first, equations.column(other) + first, equations.stride(), count, factor);
     pivot[row] = diagonal;
     triangle.columns[static_cast<std::size_t>(triangle.size++)] = c;
   }
@@ -215,7 +233,7 @@ inline Triangle triangulate(Scaled_equations& equations, double least_independen
 }
 
 /// solves the triangular equations.
-inline void substitute_back(Scaled_equations& equations, const Triangle& triangle, std::span<double> coefficients)
+inline void substitute_back(Weighted_equations& equations, const Triangle& triangle, std::span<double> coefficients)
 {
   double* const rhs = equations.rhs();
   for (int row = triangle.size - 1; row >= 0; --row)
@@ -225,7 +243,7 @@ inline void substitute_back(Scaled_equations& equations, const Triangle& triangl
     const double x = rhs[row] / column[row];
     for (int i = 0; i < row; ++i)
       rhs[i] -= x * column[i];
-    coefficients[static_cast<std::size_t>(c + equations.first_coefficient())] = x * equations.scaling(c);
+    coefficients[static_cast<std::size_t>(c + equations.first_coefficient())] = x;
   }
 }
 
@@ -246,7 +264,7 @@ inline void solve_by_graded_qr(const Weighted_points& points, int degree, double
                                std::span<double> coefficients)
 {
   std::fill(coefficients.begin(), coefficients.end(), 0.0);
-  Scaled_equations& equations = equations_of_thread();
+  Weighted_equations& equations = equations_of_thread();
   equations.set(points, degree);
   Last_triangle& last = last_triangle_of_thread();
   for (int d = ordinary_degree; d < degree; ++d)
@@ -261,7 +279,7 @@ inline void solve_by_graded_qr(const Weighted_points& points, int degree, double
 inline void solve_last_for_lower_degree(int degree, std::span<double> coefficients)
 {
   std::fill(coefficients.begin(), coefficients.end(), 0.0);
-  Scaled_equations& equations = equations_of_thread();
+  Weighted_equations& equations = equations_of_thread();
   const Last_triangle& last = last_triangle_of_thread();
   Triangle triangle = last.triangle;
   const int columns = coefficient_count(degree) - equations.first_coefficient();
@@ -275,12 +293,19 @@ inline void solve_last_for_lower_degree(int degree, std::span<double> coefficien
 using Small_matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, max_columns, max_columns>;
 using Small_vector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, max_columns, 1>;
 
-/// applies `solve(matrix, rhs)` to the triangular form of the equations, whose size does not grow with the points.
+/// one over the length of a column, 0 for a column of zeros.
+inline double column_scaling(const Weighted_equations& equations, int c)
+{
+  return equations.column_length(c) > 0 ? 1 / equations.column_length(c) : 0;
+}
+
+/// applies `solve(matrix, rhs)` to the triangular form of the equations, whose size does not grow with the points; its
+/// columns are scaled to the length that they had.
 template <class Solve>
 void solve_compressed(const Weighted_points& points, int degree, std::span<double> coefficients, const Solve& solve)
 {
   std::fill(coefficients.begin(), coefficients.end(), 0.0);
-  Scaled_equations& equations = equations_of_thread();
+  Weighted_equations& equations = equations_of_thread();
   equations.set(points, degree);
   const int columns = equations.columns();
   const Triangle triangle = triangulate(equations, 0);
@@ -293,14 +318,15 @@ void solve_compressed(const Weighted_points& points, int degree, std::span<doubl
   {
     const bool is_inside = diagonal < rows && triangle.columns[static_cast<std::size_t>(diagonal)] == c;
     diagonal += is_inside ? 1 : 0; // a column that was left out ends above the diagonal
+    const double scaling = column_scaling(equations, c);
     for (int i = 0; i < diagonal; ++i)
-      matrix(i, c) = equations.column(c)[i];
+      matrix(i, c) = scaling * equations.column(c)[i];
   }
   if (rows == 0)
     return;
   const Small_vector x = solve(matrix, rhs);
   for (int c = 0; c < columns; ++c)
-    coefficients[static_cast<std::size_t>(c + equations.first_coefficient())] = x[c] * equations.scaling(c);
+    coefficients[static_cast<std::size_t>(c + equations.first_coefficient())] = x[c] * column_scaling(equations, c);
 }
 
 inline void solve_by_pivoted_qr(const Weighted_points& points, int degree, double relative_bound,

@@ -23,7 +23,7 @@ public:
   /// sets coefficients, degree and state of `fit`. \return whether they are finite.
   bool solve(int degree, Vertex_fit& fit) const
   {
-    fit.coefficients = {};
+    clear_terms_above(degree, fit);
     policies_->solver(points_.view(true), degree, coefficients(fit, degree));
     return accept(degree, fit);
   }
@@ -33,7 +33,7 @@ public:
   {
     if constexpr (requires(std::span<double> c) { policies_->solver.solve_lower(degree, c); })
     {
-      fit.coefficients = {};
+      clear_terms_above(degree, fit);
       policies_->solver.solve_lower(degree, coefficients(fit, degree));
       return accept(degree, fit);
     }
@@ -47,12 +47,20 @@ private:
     return {fit.coefficients.data(), static_cast<std::size_t>(coefficient_count(degree))};
   }
 
+  /// the solver sets the others.
+  static void clear_terms_above(int degree, Vertex_fit& fit)
+  {
+    if (fit.degree > degree)
+      std::fill(fit.coefficients.begin() + coefficient_count(degree),
+                fit.coefficients.begin() + coefficient_count(fit.degree), 0.0);
+  }
+
   static bool accept(int degree, Vertex_fit& fit)
   {
+    fit.degree = degree;
     const std::span<const double> found = coefficients(fit, degree);
     if (!std::all_of(found.begin(), found.end(), [](double c) { return std::isfinite(c); }))
       return false;
-    fit.degree = degree;
     while (fit.degree > 0 && has_no_terms(fit, fit.degree))
       --fit.degree;
     fit.state = fit.degree > 0 ? Vertex_fit_state::curved : Vertex_fit_state::flat;

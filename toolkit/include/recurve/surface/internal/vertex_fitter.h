@@ -28,7 +28,6 @@ inline constexpr int degrees_more_near_rim = 2;
 /// What became of one vertex.
 struct Vertex_result
 {
-  Vertex_fit fit;
   Index stencil_size = 0;
   Lowering_reason reason = Lowering_reason::not_finite; ///< meaningful where the degree is not the one asked for
 };
@@ -51,49 +50,58 @@ public:
       data_normals_(bounds.data_normals)
   {}
 
-  /// fits `vertex` with the highest degree up to `degree` that is any good, in even steps. Beyond the bounds' degree
-  /// only where the stencil touches a rim.
-  Vertex_result fit(Index vertex, int degree)
+  /// sets `fit` to that of `vertex` with the highest degree up to `degree` that is any good, in even steps. Beyond the
+  /// bounds' degree only where the stencil touches a rim.
+  Vertex_result fit(Index vertex, int degree, Vertex_fit& fit)
   {
     Vertex_result result;
     result.reason = Lowering_reason::no_normal;
-    result.fit.origin = surface_->points[vertex];
+    if (fit.degree > 0)
+      fit = {};
+    fit.origin = surface_->points[vertex];
     if (surface_->is_tip[vertex] || has_concentrated_curvature(*surface_, vertex) ||
-        surface_->normals[vertex] == Point{0, 0, 0} || !set_axes(vertex, result.fit))
+        surface_->normals[vertex] == Point{0, 0, 0} || !set_axes(vertex, fit))
       return result;
-    if (is_in_planar_part(vertex, result.fit))
-    {
-      result.fit.state = Vertex_fit_state::planar;
+    fit.state = Vertex_fit_state::planar;
+    if (is_in_planar_part(vertex, fit))
       return result;
-    }
     const Estimated_bend bend = estimated_bend(*surface_, vertex);
-    result.fit.state = Vertex_fit_state::flat;
-    const int first = gather_first(vertex, result.fit, degree);
+    const int first = gather_first(vertex, fit, degree);
     for (int d = first; d > 0; d = (d - 1) / 2 * 2)
     {
       if (d < first)
-        gather_points(vertex, result.fit, d);
+        gather_points(vertex, fit, d);
       if (is_planar_)
       {
-        result.fit.state = Vertex_fit_state::planar;
+        fit = straight(fit, Vertex_fit_state::planar);
         return result;
       }
       result.stencil_size = builder_.size();
       Fit_verdict verdict = {Lowering_reason::not_finite, false};
-      if (solver_.solve(d, result.fit))
-        verdict = Vertex_fit_judge(*surface_, bounds_, solver_, bend, vertex).judge(d, result.fit);
-      if (d == first && !(verdict.is_good && result.fit.degree == first))
+      if (solver_.solve(d, fit))
+        verdict = Vertex_fit_judge(*surface_, bounds_, solver_, bend, vertex).judge(d, fit);
+      if (d == first && !(verdict.is_good && fit.degree == first))
         result.reason = verdict.reason; // the reason of the first lowering stands
       if (verdict.is_good)
         return result;
     }
-    result.fit.coefficients = {};
-    result.fit.degree = 0;
-    result.fit.state = Vertex_fit_state::flat;
+    fit = straight(fit, Vertex_fit_state::flat);
     return result;
   }
 
 private:
+  /// the fit without terms.
+  static Vertex_fit straight(const Vertex_fit& fit, Vertex_fit_state state)
+  {
+    return {.origin = fit.origin,
+            .n = fit.n,
+            .s_axis = fit.s_axis,
+            .t_axis = fit.t_axis,
+            .size = fit.size,
+            .degree = 0,
+            .state = state};
+  }
+
   /// sets the frame. \return whether the neighbours span a plane.
   bool set_axes(Index vertex, Vertex_fit& fit)
   {
@@ -217,8 +225,7 @@ private:
     solver_.points().add(local[0], local[1], height, weight);
     if (has_normals())
       add_slope(vertex, local, frame, weight);
-    if (is_off_plane(x, frame))
-      is_planar_ = false;
+    is_planar_ = is_planar_ && !is_off_plane(x, frame);
   }
 
   double weight_of(double distance, double cosine, int degree) const
