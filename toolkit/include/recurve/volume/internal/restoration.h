@@ -10,6 +10,7 @@
 #include <recurve/volume/internal/flat_cell.h>
 #include <recurve/volume/internal/repair_interior.h>
 #include <recurve/volume/internal/restoration_cells.h>
+#include <recurve/volume/internal/wall_relief.h>
 #include <recurve/volume/restoration_report.h>
 
 #include <tbb/parallel_for.h>
@@ -48,8 +49,8 @@ public:
       report_.restored = report_.deformed;
     else
     {
-      failing = repair(std::move(failing));
-      if (!reduce_nearby(failing))
+      failing = relieve(repair(std::move(failing)));
+      if (!failing.empty() && !reduce_nearby(failing))
         fade(std::move(failing));
       reduce(repair(cells_.with(Restoration_cells::failing)), most_rounds);
       report_.restored = certify_all(); // anew: nothing rests on what was remembered
@@ -197,6 +198,31 @@ private:
     std::vector<Block_element> rest = cells_.with(Restoration_cells::failing);
     report_.repaired_cells += static_cast<Index>(failing.size()) - static_cast<Index>(rest.size());
     return rest;
+  }
+
+  /// lowers as little of the wall as failing cells need, lets the interior follow, and lowers more where that does not
+  /// help. What has not helped in the end is undone. Returns the cells that still fail.
+  std::vector<Block_element> relieve(std::vector<Block_element> failing)
+  {
+    if (options_.repair_layers == 0 || failing.empty())
+      return failing;
+    const auto is_valid_at = [this](Block_element cell, const auto& position) {
+      return this->is_valid(cell, position);
+    };
+    Wall_relief relief(cells_, levels_, roles_, is_valid_at);
+    while (!failing.empty() && relief.request(failing))
+    {
+      ++report_.rounds;
+      levels_.apply();
+      certify_changes();
+      failing = repair(cells_.with(Restoration_cells::failing));
+    }
+    if (failing.empty())
+      return failing;
+    relief.take_back();
+    levels_.apply();
+    certify_changes();
+    return repair(cells_.with(Restoration_cells::failing));
   }
 
   // Reduction. -------------------------------------------------------------------------------------------------------
