@@ -222,7 +222,7 @@ private:
     relief.take_back();
     levels_.apply();
     certify_changes();
-    return repair(cells_.with(Restoration_cells::failing));
+    return cells_.with(Restoration_cells::failing);
   }
 
   // Reduction. -------------------------------------------------------------------------------------------------------

@@ -50,33 +50,46 @@ inline std::span<const int> inside_face(Element_type type, int degree, int face)
   return face_nodes(type, degree, face).subspan(static_cast<std::size_t>(first_interior_node(face_type, degree)));
 }
 
-/// How the nodes inside a face follow its edges: each keeps the mean of what they keep, in which an edge counts by the
-/// inverse of its distance in the reference face. So a face that shares one reduced edge bends over to its others.
+/// What a node keeps of its displacement, and how long that is in full.
+struct Kept_displacement
+{
+  double share = 1, length = 0;
+};
+
+/// How the nodes inside a face follow its edges: each keeps the mean of what the edges keep, in which an edge counts by
+/// its displacement and by the inverse of its distance in the reference face. So a face bends over from the edge that
+/// is lowered to its others, and where that edge makes most of the bulge of the face, it takes most of it back.
 ///
-/// \param share  callable (number of a node in the face) -> what it keeps of its displacement.
-/// \param visit  callable (number of a node inside the face, what it keeps).
-template <class Share, class Visit>
-void follow_edges(Element_type face_type, int degree, const Share& share, const Visit& visit)
+/// \param kept   callable (number of a node in the face) -> Kept_displacement.
+/// \param visit  callable (number of a node inside the face, the share that it keeps).
+template <class Kept, class Visit>
+void follow_edges(Element_type face_type, int degree, const Kept& kept, const Visit& visit)
 {
   const Reference_element& face = reference_element(face_type);
-  std::array<double, 4> of_edge = {1, 1, 1, 1};
+  std::array<Kept_displacement, 4> edges;
   for (int e = 0; e < face.edge_count; ++e)
     for (const int m : inside_edge(face_type, degree, e))
-      of_edge[static_cast<std::size_t>(e)] = std::min(of_edge[static_cast<std::size_t>(e)], share(m));
+    {
+      const Kept_displacement node = kept(m);
+      Kept_displacement& edge = edges[static_cast<std::size_t>(e)];
+      edge = {std::min(edge.share, node.share), std::max(edge.length, node.length)};
+    }
   const auto lattice = canonical_nodes(face_type, degree);
   for (int m = first_interior_node(face_type, degree); m < node_count(face_type, degree); ++m)
   {
-    const auto [i, j, k] = lattice[static_cast<std::size_t>(m)];
+    const Lattice_point& at = lattice[static_cast<std::size_t>(m)];
+    const int i = at[0], j = at[1];
     const std::array<int, 4> distances = face_type == Element_type::triangle
                                            ? std::array<int, 4>{j, degree - i - j, i, 0}
                                            : std::array<int, 4>{j, degree - i, degree - j, i};
-    double weights = 0, sum = 0;
+    double weights = 0, lost = 0;
     for (std::size_t e = 0; e < static_cast<std::size_t>(face.edge_count); ++e)
     {
-      weights += 1.0 / distances[e];
-      sum += (1 - of_edge[e]) / distances[e];
+      const double weight = edges[e].length / distances[e];
+      weights += weight;
+      lost += weight * (1 - edges[e].share);
     }
-    visit(m, 1 - sum / weights);
+    visit(m, weights > 0 ? 1 - lost / weights : 1);
   }
 }
 

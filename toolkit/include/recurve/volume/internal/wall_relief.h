@@ -9,13 +9,18 @@
 #include <recurve/volume/internal/wall_parts.h>
 #include <recurve/volume/restoration_report.h>
 
+#include <Eigen/Core>
+#include <Eigen/LU>
+
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <numeric>
 #include <set>
 #include <span>
 #include <unordered_map>
@@ -26,7 +31,7 @@ namespace recurve::internal {
 
 /// Lowers as little as possible of a curved boundary for cells that no motion of nodes inside the volume makes valid:
 /// for each of them the edges and insides of faces on the wall are found that cost the fewest faces their curvature,
-/// and the mildest level, such that the cell could be valid with its inner nodes anywhere. That its neighbours allow it
+/// and the mildest step, such that the cell could be valid with its inner nodes anywhere. That its neighbours allow it
 /// is not asked here: the repair of the interior, which has to follow, finds out.
 ///
 /// \tparam Levels  `Curving_levels`. \tparam IsValid  callable (cell, position of a node) -> bool.
@@ -39,7 +44,7 @@ public:
   {}
 
   /// lets failing cells ask for relief, all of them from the same state; a cell that has asked before and could be
-  /// valid by now asks for one level more. Returns whether one has asked. Takes effect with `Levels::apply()`.
+  /// valid by now asks for one step more. Returns whether one has asked. Takes effect with `Levels::apply()`.
   bool request(std::span<const Block_element> failing)
   {
     std::vector<Relief> reliefs(failing.size());
@@ -50,10 +55,7 @@ public:
       {
         has_asked = true;
         for (const Index node : reliefs[f].nodes)
-        {
-          remember(node);
-          levels_.request(node, reliefs[f].level);
-        }
+          lower(node, shares[reliefs[f].step]);
         asked_[failing[f]] = std::move(reliefs[f]);
       }
     if (has_asked)
@@ -82,11 +84,20 @@ public:
   }
 
 private:
-  /// Nodes, and the level they go to.
+  /// What nodes of the wall keep, step by step: the first ones are small, since a wall that bends less than the
+  /// straight-sided one would has no kink to show for it.
+  static constexpr std::array<double, 9> shares = {31.0 / 32, 15.0 / 16, 7.0 / 8, 3.0 / 4,
+                                                   1.0 / 2,   1.0 / 4,   1.0 / 8, 0};
+  static constexpr std::size_t last_step = shares.size() - 1;
+
+  /// Smallest determinant, relative to that of the straight cell, with which a cell has some room to live.
+  static constexpr double room = 0.05;
+
+  /// Nodes, and the step they take.
   struct Relief
   {
     std::vector<Index> nodes;
-    std::uint8_t level = 0;
+    std::size_t step = 0;
   };
 
   /// An edge or the inside of a face on the wall: its nodes by their numbers in the cell, the faces of the cell that it
@@ -114,7 +125,13 @@ private:
                       [&](int m) { return role(node_of(cell, m)) == Node_role::surface; });
   }
 
-  void remember(Index node) { before_.try_emplace(node, levels_.state(node)); }
+  void lower(Index node, double share)
+  {
+    if (!(share < levels_.factor(node)))
+      return;
+    before_.try_emplace(node, levels_.state(node));
+    levels_.fade(node, share / curving_factors[levels_.level(node)]);
+  }
 
   // Faces follow their edges. ----------------------------------------------------------------------------------------
 
@@ -134,15 +151,11 @@ private:
     std::vector<std::pair<Index, double>> shares;
     for_each_changed_face([&](Block_element cell, int face) {
       for_each_follower(
-        cell, face, [this](Index node) { return levels_.is_displaced(node) ? levels_.factor(node) : 1; },
+        cell, face, [this](Index node) { return levels_.factor(node); },
         [&](Index node, double share) { shares.emplace_back(node, share); });
     });
     for (const auto& [node, share] : shares)
-      if (share < levels_.factor(node))
-      {
-        remember(node);
-        levels_.fade(node, share / curving_factors[levels_.level(node)]);
-      }
+      lower(node, share);
   }
 
   template <class Share, class Visit>
@@ -153,7 +166,16 @@ private:
     const auto node = [&](int m) { return node_of(cell, numbers[static_cast<std::size_t>(m)]); };
     follow_edges(
       reference_element(type).faces[static_cast<std::size_t>(face)].type, cells_.degree(),
-      [&](int m) { return share(node(m)); }, [&](int m, double kept) { visit(node(m), kept); });
+      [&](int m) {
+        return Kept_displacement{share(node(m)), displacement(node(m))};
+      },
+      [&](int m, double kept) { visit(node(m), kept); });
+  }
+
+  double displacement(Index node) const
+  {
+    const Point from = levels_.straight(node), to = levels_.full(node);
+    return std::hypot(to[0] - from[0], to[1] - from[1], to[2] - from[2]);
   }
 
   // What a cell asks for. --------------------------------------------------------------------------------------------
@@ -163,18 +185,19 @@ private:
     const Wall_parts own = walls(cell);
     if (own.edges.empty() && own.faces.empty())
       return {};
-    if (can_be_valid(cell, own, {}))
+    if (reachable_room(cell, own, {}) > 0)
     {
       const auto before = asked_.find(cell);
-      if (before == asked_.end() || before->second.level == straight_level)
+      if (before == asked_.end() || before->second.step == last_step)
         return {};
       Relief more = before->second;
-      ++more.level;
+      ++more.step;
       return more;
     }
     return least_relief(cell, own);
   }
 
+  /// of those that cost the fewest faces the one of the mildest step; the first of several.
   Relief least_relief(Block_element cell, const Wall_parts& own) const
   {
     const std::vector<Part> parts = parts_of(cell, own);
@@ -184,21 +207,39 @@ private:
     {
       if (!best.nodes.empty() && choice.cost > best_cost)
         break;
-      Relief relief{{}, straight_level};
+      Relief relief{{}, last_step};
       for (const std::size_t part : choice.parts)
         for (const int m : parts[part].nodes)
           relief.nodes.push_back(node_of(cell, m));
-      if (!can_be_valid(cell, own, relief))
+      const double most_room = reachable_room(cell, own, relief);
+      if (!(most_room > 0))
         continue;
-      for (relief.level = 1; relief.level < straight_level && !can_be_valid(cell, own, relief);)
-        ++relief.level;
-      if (best.nodes.empty() || relief.level < best.level)
+      relief.step = mildest_step(cell, own, relief, most_room);
+      if (best.nodes.empty() || relief.step < best.step)
       {
         best = std::move(relief);
         best_cost = choice.cost;
       }
     }
     return best;
+  }
+
+  /// the mildest that leaves the cell some room, if the last one does; otherwise about half as much as that. Found by
+  /// bisection: where the room does not grow from step to step, another one than the first may be taken.
+  /// \pre `relief`, at the last step, makes the cell valid
+  std::size_t mildest_step(Block_element cell, const Wall_parts& own, Relief relief, double most_room) const
+  {
+    const double enough = std::min(room, most_room / 2);
+    std::size_t first = 0, last = last_step;
+    while (first < last)
+    {
+      relief.step = (first + last) / 2;
+      if (reachable_room(cell, own, relief) >= enough)
+        last = relief.step;
+      else
+        first = relief.step + 1;
+    }
+    return last;
   }
 
   std::vector<Part> parts_of(Block_element cell, const Wall_parts& own) const
@@ -276,48 +317,79 @@ private:
 
   // A cell by itself. ------------------------------------------------------------------------------------------------
 
-  /// whether the cell can be valid with `relief` if its nodes inside the volume may be anywhere, but the corners.
-  bool can_be_valid(Block_element cell, const Wall_parts& own, const Relief& relief) const
+  /// the smallest determinant, relative to that of the straight cell and at the points where distortion is measured, of
+  /// the cell with `relief` if its nodes inside the volume, corners apart, go where they distort it least; 0 if it is
+  /// not valid there.
+  double reachable_room(Block_element cell, const Wall_parts& own, const Relief& relief) const
   {
     const auto nodes = cells_.nodes(cell);
     std::vector<Point> positions = positions_with(cell, own, relief);
-    const auto number_of = [&](Index node) {
-      return static_cast<std::size_t>(std::find(nodes.begin(), nodes.end(), node) - nodes.begin());
-    };
-    if (is_valid_(cell, [&](Index node) { return positions[number_of(node)]; }))
-      return true;
-    std::vector<std::size_t> order; // those that may move first
-    const auto corners = static_cast<std::size_t>(corner_count(cells_.type(cell)));
-    const auto may_move = [&](std::size_t m) {
-      return m >= corners && role(nodes[m]) == Node_role::inside && levels_.factor(nodes[m]) == 1;
-    };
-    for (std::size_t m = 0; m < nodes.size(); ++m)
-      if (may_move(m))
-        order.push_back(m);
-    const std::size_t movable = order.size();
-    if (movable == 0)
-      return false;
-    for (std::size_t m = 0; m < nodes.size(); ++m)
-      if (!may_move(m))
-        order.push_back(m);
-    Distorted_cell own_cell{cells_.type(cell), &distortion_points(cells_.type(cell), cells_.degree()), {}, {}};
-    own_cell.nodes.resize(nodes.size());
+    if (is_folded_at_wall(cell, positions))
+      return 0;
+    const std::vector<std::size_t> order = movable_first(cell);
+    const auto movable =
+      static_cast<std::size_t>(std::ranges::count_if(order, [&](std::size_t m) { return may_move(cell, m); }));
+    Distorted_cell alone{cells_.type(cell), &distortion_points(cells_.type(cell), cells_.degree()), {}, {}};
+    alone.nodes.resize(nodes.size());
+    for (const Index node : nodes)
+      alone.straight.push_back(levels_.straight(node));
     std::vector<Point> displacements;
-    for (std::size_t m = 0; m < nodes.size(); ++m)
-      own_cell.straight.push_back(levels_.straight(nodes[m]));
     for (std::size_t k = 0; k < order.size(); ++k)
     {
-      own_cell.nodes[order[k]] = static_cast<int>(k);
-      const Point &from = own_cell.straight[order[k]], &to = positions[order[k]];
+      alone.nodes[order[k]] = static_cast<int>(k);
+      const Point &from = alone.straight[order[k]], &to = positions[order[k]];
       displacements.push_back({to[0] - from[0], to[1] - from[1], to[2] - from[2]});
     }
-    Repair_component repair(std::span(&own_cell, 1), std::move(displacements), movable);
-    return untangle(repair, [&] {
+    Repair_component repair(std::span(&alone, 1), std::move(displacements), movable);
+    const auto is_valid = [&] {
       for (std::size_t k = 0; k < movable; ++k)
         for (std::size_t d = 0; d < 3; ++d)
-          positions[order[k]][d] = own_cell.straight[order[k]][d] + repair.displacements()[k][d];
-      return is_valid_(cell, [&](Index node) { return positions[number_of(node)]; });
-    });
+          positions[order[k]][d] = alone.straight[order[k]][d] + repair.displacements()[k][d];
+      return is_valid_(cell, [&](Index node) {
+        return positions[static_cast<std::size_t>(std::ranges::find(nodes, node) - nodes.begin())];
+      });
+    };
+    const bool is_done = movable == 0 ? is_valid() : untangle(repair, is_valid);
+    return is_done ? std::max(repair.least_determinant(), 0.0) : 0;
+  }
+
+  /// whether the determinant is not positive at a point where the nodes that may move have no say.
+  bool is_folded_at_wall(Block_element cell, std::span<const Point> positions) const
+  {
+    constexpr double none = 1e-9; // of a derivative; they are sums of a few numbers of the size of the degree
+    const Distortion_view points = distortion_points(cells_.type(cell), cells_.degree()).view();
+    const auto count = static_cast<std::size_t>(points.nodes);
+    for (std::size_t q = 0; q < static_cast<std::size_t>(points.count); ++q)
+    {
+      const double* const derivatives = points.derivatives + 3 * count * q;
+      Eigen::Matrix3d jacobian = Eigen::Matrix3d::Zero();
+      bool is_fixed = true;
+      for (std::size_t m = 0; m < count && is_fixed; ++m)
+      {
+        const Eigen::Map<const Eigen::RowVector3d> slope(derivatives + 3 * m);
+        const Point& p = positions[m];
+        jacobian += Eigen::Vector3d(p[0] - positions[0][0], p[1] - positions[0][1], p[2] - positions[0][2]) * slope;
+        is_fixed = !may_move(cell, m) || slope.cwiseAbs().maxCoeff() < none;
+      }
+      if (is_fixed && !(jacobian.determinant() > 0))
+        return true;
+    }
+    return false;
+  }
+
+  bool may_move(Block_element cell, std::size_t number) const
+  {
+    const Index node = node_of(cell, static_cast<int>(number));
+    return static_cast<int>(number) >= corner_count(cells_.type(cell)) && role(node) == Node_role::inside &&
+           levels_.factor(node) == 1;
+  }
+
+  std::vector<std::size_t> movable_first(Block_element cell) const
+  {
+    std::vector<std::size_t> order(cells_.nodes(cell).size());
+    std::iota(order.begin(), order.end(), std::size_t(0));
+    std::ranges::stable_partition(order, [&](std::size_t m) { return may_move(cell, m); });
+    return order;
   }
 
   /// of the nodes of the cell, if nothing is changed but what is asked for.
@@ -325,16 +397,15 @@ private:
   {
     std::unordered_map<Index, double> kept;
     for (const Index node : relief.nodes)
-      kept[node] = levels_.factor(node, std::max(levels_.level(node), relief.level));
+      kept[node] = std::min(levels_.factor(node), shares[relief.step]);
     const auto share = [&](Index node) {
       const auto found = kept.find(node);
       return found != kept.end() ? found->second : levels_.factor(node);
     };
     if (!relief.nodes.empty())
       for (const int face : own.faces)
-        for_each_follower(
-          cell, face, [&](Index node) { return levels_.is_displaced(node) ? share(node) : 1; },
-          [&](Index node, double follows) { kept[node] = std::min(share(node), follows); });
+        for_each_follower(cell, face, share,
+                          [&](Index node, double follows) { kept[node] = std::min(share(node), follows); });
     std::vector<Point> result;
     for (const Index node : cells_.nodes(cell))
       result.push_back(kept.contains(node) ? levels_.position_keeping(node, share(node)) : levels_.current(node));
