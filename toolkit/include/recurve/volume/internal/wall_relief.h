@@ -4,13 +4,10 @@
 #include <recurve/core/types.h>
 #include <recurve/elements/element.h>
 #include <recurve/elements/node_layout.h>
+#include <recurve/volume/internal/lone_cell.h>
 #include <recurve/volume/internal/restoration_cells.h>
-#include <recurve/volume/internal/untangle.h>
 #include <recurve/volume/internal/wall_parts.h>
 #include <recurve/volume/restoration_report.h>
-
-#include <Eigen/Core>
-#include <Eigen/LU>
 
 #include <tbb/parallel_for.h>
 
@@ -20,7 +17,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
-#include <numeric>
 #include <set>
 #include <span>
 #include <unordered_map>
@@ -185,7 +181,12 @@ private:
     const Wall_parts own = walls(cell);
     if (own.edges.empty() && own.faces.empty())
       return {};
-    if (reachable_room(cell, own, {}) > 0)
+    Lone_cell alone = without_neighbours(cell);
+    const auto room_with = [&](const Relief& relief, double least) {
+      return alone.room(positions_with(cell, own, relief), least,
+                        [&](std::span<const Point> positions) { return is_valid_at(cell, positions); });
+    };
+    if (room_with({}, 0) > 0)
     {
       const auto before = asked_.find(cell);
       if (before == asked_.end() || before->second.step == last_step)
@@ -194,51 +195,74 @@ private:
       ++more.step;
       return more;
     }
-    return least_relief(cell, own);
+    return least_relief(cell, parts_of(cell, own), room_with);
+  }
+
+  Lone_cell without_neighbours(Block_element cell) const
+  {
+    const auto nodes = cells_.nodes(cell);
+    const auto corners = static_cast<std::size_t>(corner_count(cells_.type(cell)));
+    std::vector<Point> straight;
+    for (const Index node : nodes)
+      straight.push_back(levels_.straight(node));
+    return Lone_cell(cells_.type(cell), cells_.degree(), std::move(straight), [&](std::size_t m) {
+      return m >= corners && role(nodes[m]) == Node_role::inside && levels_.factor(nodes[m]) == 1;
+    });
+  }
+
+  bool is_valid_at(Block_element cell, std::span<const Point> positions) const
+  {
+    const auto nodes = cells_.nodes(cell);
+    return is_valid_(cell, [&](Index node) {
+      return positions[static_cast<std::size_t>(std::ranges::find(nodes, node) - nodes.begin())];
+    });
   }
 
   /// of those that cost the fewest faces the one of the mildest step; the first of several.
-  Relief least_relief(Block_element cell, const Wall_parts& own) const
+  template <class RoomWith>
+  Relief least_relief(Block_element cell, const std::vector<Part>& parts, const RoomWith& room_with) const
   {
-    const std::vector<Part> parts = parts_of(cell, own);
     Relief best;
     int best_cost = 0;
     for (const Choice& choice : choices(cell, parts))
     {
-      if (!best.nodes.empty() && choice.cost > best_cost)
+      if (!best.nodes.empty() && (choice.cost > best_cost || best.step == 0))
         break;
       Relief relief{{}, last_step};
       for (const std::size_t part : choice.parts)
         for (const int m : parts[part].nodes)
           relief.nodes.push_back(node_of(cell, m));
-      const double most_room = reachable_room(cell, own, relief);
-      if (!(most_room > 0))
+      const double enough = std::min(room, room_with(relief, 0) / 2);
+      if (!(enough > 0))
         continue;
-      relief.step = mildest_step(cell, own, relief, most_room);
-      if (best.nodes.empty() || relief.step < best.step)
+      const bool is_first = best.nodes.empty();
+      if (const std::size_t step = mildest_step(relief, enough, is_first ? last_step : best.step - 1, room_with);
+          is_first || step < best.step)
       {
         best = std::move(relief);
+        best.step = step;
         best_cost = choice.cost;
       }
     }
     return best;
   }
 
-  /// the mildest that leaves the cell some room, if the last one does; otherwise about half as much as that. Found by
-  /// bisection: where the room does not grow from step to step, another one than the first may be taken.
-  /// \pre `relief`, at the last step, makes the cell valid
-  std::size_t mildest_step(Block_element cell, const Wall_parts& own, Relief relief, double most_room) const
+  /// the mildest that leaves the cell enough room, up to `last`; one more if none does. Found by bisection: where the
+  /// room does not grow from step to step, another one than the first may be taken.
+  template <class RoomWith>
+  std::size_t mildest_step(Relief relief, double enough, std::size_t last, const RoomWith& room_with) const
   {
-    const double enough = std::min(room, most_room / 2);
-    std::size_t first = 0, last = last_step;
-    while (first < last)
-    {
-      relief.step = (first + last) / 2;
-      if (reachable_room(cell, own, relief) >= enough)
-        last = relief.step;
+    const auto has_room = [&](std::size_t step) {
+      relief.step = step;
+      return room_with(relief, enough) >= enough;
+    };
+    if (last != last_step && !has_room(last))
+      return last + 1;
+    for (std::size_t first = 0; first < last;)
+      if (const std::size_t middle = (first + last) / 2; has_room(middle))
+        last = middle;
       else
-        first = relief.step + 1;
-    }
+        first = middle + 1;
     return last;
   }
 
@@ -313,83 +337,6 @@ private:
           faces.insert(f);
     }
     return cost + static_cast<int>(faces.size());
-  }
-
-  // A cell by itself. ------------------------------------------------------------------------------------------------
-
-  /// the smallest determinant, relative to that of the straight cell and at the points where distortion is measured, of
-  /// the cell with `relief` if its nodes inside the volume, corners apart, go where they distort it least; 0 if it is
-  /// not valid there.
-  double reachable_room(Block_element cell, const Wall_parts& own, const Relief& relief) const
-  {
-    const auto nodes = cells_.nodes(cell);
-    std::vector<Point> positions = positions_with(cell, own, relief);
-    if (is_folded_at_wall(cell, positions))
-      return 0;
-    const std::vector<std::size_t> order = movable_first(cell);
-    const auto movable =
-      static_cast<std::size_t>(std::ranges::count_if(order, [&](std::size_t m) { return may_move(cell, m); }));
-    Distorted_cell alone{cells_.type(cell), &distortion_points(cells_.type(cell), cells_.degree()), {}, {}};
-    alone.nodes.resize(nodes.size());
-    for (const Index node : nodes)
-      alone.straight.push_back(levels_.straight(node));
-    std::vector<Point> displacements;
-    for (std::size_t k = 0; k < order.size(); ++k)
-    {
-      alone.nodes[order[k]] = static_cast<int>(k);
-      const Point &from = alone.straight[order[k]], &to = positions[order[k]];
-      displacements.push_back({to[0] - from[0], to[1] - from[1], to[2] - from[2]});
-    }
-    Repair_component repair(std::span(&alone, 1), std::move(displacements), movable);
-    const auto is_valid = [&] {
-      for (std::size_t k = 0; k < movable; ++k)
-        for (std::size_t d = 0; d < 3; ++d)
-          positions[order[k]][d] = alone.straight[order[k]][d] + repair.displacements()[k][d];
-      return is_valid_(cell, [&](Index node) {
-        return positions[static_cast<std::size_t>(std::ranges::find(nodes, node) - nodes.begin())];
-      });
-    };
-    const bool is_done = movable == 0 ? is_valid() : untangle(repair, is_valid);
-    return is_done ? std::max(repair.least_determinant(), 0.0) : 0;
-  }
-
-  /// whether the determinant is not positive at a point where the nodes that may move have no say.
-  bool is_folded_at_wall(Block_element cell, std::span<const Point> positions) const
-  {
-    constexpr double none = 1e-9; // of a derivative; they are sums of a few numbers of the size of the degree
-    const Distortion_view points = distortion_points(cells_.type(cell), cells_.degree()).view();
-    const auto count = static_cast<std::size_t>(points.nodes);
-    for (std::size_t q = 0; q < static_cast<std::size_t>(points.count); ++q)
-    {
-      const double* const derivatives = points.derivatives + 3 * count * q;
-      Eigen::Matrix3d jacobian = Eigen::Matrix3d::Zero();
-      bool is_fixed = true;
-      for (std::size_t m = 0; m < count && is_fixed; ++m)
-      {
-        const Eigen::Map<const Eigen::RowVector3d> slope(derivatives + 3 * m);
-        const Point& p = positions[m];
-        jacobian += Eigen::Vector3d(p[0] - positions[0][0], p[1] - positions[0][1], p[2] - positions[0][2]) * slope;
-        is_fixed = !may_move(cell, m) || slope.cwiseAbs().maxCoeff() < none;
-      }
-      if (is_fixed && !(jacobian.determinant() > 0))
-        return true;
-    }
-    return false;
-  }
-
-  bool may_move(Block_element cell, std::size_t number) const
-  {
-    const Index node = node_of(cell, static_cast<int>(number));
-    return static_cast<int>(number) >= corner_count(cells_.type(cell)) && role(node) == Node_role::inside &&
-           levels_.factor(node) == 1;
-  }
-
-  std::vector<std::size_t> movable_first(Block_element cell) const
-  {
-    std::vector<std::size_t> order(cells_.nodes(cell).size());
-    std::iota(order.begin(), order.end(), std::size_t(0));
-    std::ranges::stable_partition(order, [&](std::size_t m) { return may_move(cell, m); });
-    return order;
   }
 
   /// of the nodes of the cell, if nothing is changed but what is asked for.
