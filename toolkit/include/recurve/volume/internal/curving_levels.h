@@ -100,23 +100,12 @@ public:
     mark(node);
   }
 
-  /// What has been asked of a node: its level, and the share beside that.
-  struct State
+  /// forgets every `fade()`. Takes effect with `apply()`.
+  void forget_fades()
   {
-    std::uint8_t level = 0;
-    double fade = 1;
-  };
-
-  State state(Index node) const { return {level(node), fade_of(node)}; }
-
-  /// takes a node back to what it was. Takes effect with `apply()`.
-  void put_back(Index node, const State& before)
-  {
-    if (level(node) == before.level && fade_of(node) == before.fade)
-      return;
-    levels_[static_cast<std::size_t>(node)] = before.level;
-    fades_[node] = before.fade;
-    mark(node);
+    for (const auto& [node, share] : fades_)
+      mark(node);
+    fades_.clear();
   }
 
   /// takes levels back to what they were. Takes effect with `apply()`.

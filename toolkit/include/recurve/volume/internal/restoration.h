@@ -49,7 +49,9 @@ public:
       report_.restored = report_.deformed;
     else
     {
-      failing = relieve(repair(std::move(failing)));
+      failing = repair(std::move(failing));
+      report_.repaired_cells = report_.failing_cells - static_cast<Index>(failing.size());
+      failing = relieve(std::move(failing));
       if (!failing.empty() && !reduce_nearby(failing))
         fade(std::move(failing));
       reduce(repair(cells_.with(Restoration_cells::failing)), most_rounds);
@@ -195,9 +197,7 @@ private:
     Interior_repair(cells_, levels_, roles_, options_, is_valid_at).run(failing);
     report_.repaired_nodes += levels_.change_count();
     certify_changes();
-    std::vector<Block_element> rest = cells_.with(Restoration_cells::failing);
-    report_.repaired_cells += static_cast<Index>(failing.size()) - static_cast<Index>(rest.size());
-    return rest;
+    return cells_.with(Restoration_cells::failing);
   }
 
   /// lowers as little of the wall as failing cells need, lets the interior follow, and lowers more where that does not
@@ -210,19 +210,17 @@ private:
       return this->is_valid(cell, position);
     };
     Wall_relief relief(cells_, levels_, roles_, is_valid_at);
-    while (!failing.empty() && relief.request(failing))
+    constexpr int few = 12; // rounds; nearly always one does
+    for (int round = 0; round < few && !failing.empty() && relief.grant(failing); ++round)
     {
       ++report_.rounds;
-      levels_.apply();
       certify_changes();
       failing = repair(cells_.with(Restoration_cells::failing));
     }
-    if (failing.empty())
+    if (!relief.take_back())
       return failing;
-    relief.take_back();
-    levels_.apply();
     certify_changes();
-    return cells_.with(Restoration_cells::failing);
+    return repair(cells_.with(Restoration_cells::failing));
   }
 
   // Reduction. -------------------------------------------------------------------------------------------------------

@@ -15,7 +15,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <map>
 #include <set>
 #include <span>
@@ -39,9 +38,9 @@ public:
     : cells_(cells), levels_(levels), roles_(roles), is_valid_(is_valid)
   {}
 
-  /// lets failing cells ask for relief, all of them from the same state; a cell that has asked before and could be
-  /// valid by now asks for one step more. Returns whether one has asked. Takes effect with `Levels::apply()`.
-  bool request(std::span<const Block_element> failing)
+  /// lets failing cells ask for relief, all of them from the same state, and grants it; a cell that has asked before
+  /// and could be valid by now asks for one step more. Returns whether one has asked.
+  bool grant(std::span<const Block_element> failing)
   {
     std::vector<Relief> reliefs(failing.size());
     tbb::parallel_for(std::size_t(0), failing.size(), [&](std::size_t f) { reliefs[f] = next_relief(failing[f]); });
@@ -50,40 +49,33 @@ public:
       if (!reliefs[f].nodes.empty())
       {
         has_asked = true;
-        for (const Index node : reliefs[f].nodes)
-          lower(node, shares[reliefs[f].step]);
-        asked_[failing[f]] = std::move(reliefs[f]);
+        lower(reliefs[f]);
+        asked_[failing[f]].push_back(std::move(reliefs[f]));
       }
     if (has_asked)
-      follow();
+      apply();
     return has_asked;
   }
 
-  /// undoes what cells have asked for that fail all the same. Takes effect with `Levels::apply()`.
-  void take_back()
+  /// undoes what cells have been granted that fail all the same. Returns whether there is one.
+  bool take_back()
   {
-    std::set<Index> useful;
-    for (const auto& [cell, relief] : asked_)
-      if (!cells_.has(Restoration_cells::failing, cell))
-        useful.insert(relief.nodes.begin(), relief.nodes.end());
-    for (const auto& [cell, relief] : asked_)
-      if (cells_.has(Restoration_cells::failing, cell))
-        for (const Index node : relief.nodes)
-          if (!useful.contains(node))
-            levels_.put_back(node, before_.at(node));
-    for_each_changed_face([&](Block_element cell, int face) {
-      for (const int m : inside_face(cells_.type(cell), cells_.degree(), face))
-        if (const Index node = node_of(cell, m); !useful.contains(node) && before_.contains(node))
-          levels_.put_back(node, before_.at(node));
-    });
-    follow();
+    const auto is_failing = [this](const auto& asked) { return cells_.has(Restoration_cells::failing, asked.first); };
+    if (std::ranges::none_of(asked_, is_failing))
+      return false;
+    levels_.forget_fades(); // nothing else has used them yet
+    for (const auto& asked : asked_)
+      if (!is_failing(asked))
+        std::ranges::for_each(asked.second, [this](const Relief& relief) { lower(relief); });
+    apply();
+    return true;
   }
 
 private:
   /// What nodes of the wall keep, step by step: the first ones are small, since a wall that bends less than the
   /// straight-sided one would has no kink to show for it.
-  static constexpr std::array<double, 9> shares = {31.0 / 32, 15.0 / 16, 7.0 / 8, 3.0 / 4,
-                                                   1.0 / 2,   1.0 / 4,   1.0 / 8, 0};
+  static constexpr std::array shares = {31.0 / 32, 15.0 / 16, 7.0 / 8, 13.0 / 16, 3.0 / 4,
+                                        1.0 / 2,   1.0 / 4,   1.0 / 8, 0.0};
   static constexpr std::size_t last_step = shares.size() - 1;
 
   /// Smallest determinant, relative to that of the straight cell, with which a cell has some room to live.
@@ -121,37 +113,28 @@ private:
                       [&](int m) { return role(node_of(cell, m)) == Node_role::surface; });
   }
 
-  void lower(Index node, double share)
+  void lower(const Relief& relief)
   {
-    if (!(share < levels_.factor(node)))
-      return;
-    before_.try_emplace(node, levels_.state(node));
-    levels_.fade(node, share / curving_factors[levels_.level(node)]);
+    for (const Index node : relief.nodes)
+      levels_.fade(node, shares[relief.step]);
   }
 
   // Faces follow their edges. ----------------------------------------------------------------------------------------
 
-  template <class Visit>
-  void for_each_changed_face(const Visit& visit) const
+  /// moves the nodes of edges, also those linked with them, and then those inside faces.
+  void apply()
   {
+    levels_.apply();
+    std::vector<std::pair<Index, double>> kept;
     for (const Block_element cell : cells_.touching(levels_.changed()))
       for (const int face : walls(cell).faces)
-        if (std::ranges::any_of(face_nodes(cells_.type(cell), cells_.degree(), face), [&](int m) {
-              return levels_.changed()[static_cast<std::size_t>(node_of(cell, m))] != 0;
-            }))
-          visit(cell, face);
-  }
-
-  void follow()
-  {
-    std::vector<std::pair<Index, double>> shares;
-    for_each_changed_face([&](Block_element cell, int face) {
-      for_each_follower(
-        cell, face, [this](Index node) { return levels_.factor(node); },
-        [&](Index node, double share) { shares.emplace_back(node, share); });
-    });
-    for (const auto& [node, share] : shares)
-      lower(node, share);
+        for_each_follower(
+          cell, face, [this](Index node) { return levels_.factor(node); },
+          [&](Index node, double share) { kept.emplace_back(node, share); });
+    for (const auto& [node, share] : kept)
+      if (share < 1)
+        levels_.fade(node, share);
+    levels_.apply();
   }
 
   template <class Share, class Visit>
@@ -189,9 +172,9 @@ private:
     if (room_with({}, 0) > 0)
     {
       const auto before = asked_.find(cell);
-      if (before == asked_.end() || before->second.step == last_step)
+      if (before == asked_.end() || before->second.back().step == last_step)
         return {};
-      Relief more = before->second;
+      Relief more = before->second.back();
       ++more.step;
       return more;
     }
@@ -363,8 +346,7 @@ private:
   Levels& levels_;
   std::span<const Node_role> roles_;
   const IsValid& is_valid_;
-  std::map<Block_element, Relief> asked_;                    ///< the last of each cell
-  std::unordered_map<Index, typename Levels::State> before_; ///< of the nodes that relief has lowered
+  std::map<Block_element, std::vector<Relief>> asked_;
 };
 
 } // namespace recurve::internal
