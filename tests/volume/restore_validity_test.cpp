@@ -457,6 +457,29 @@ TEST_CASE("restore_validity: a cell with two faces on a smooth wall costs these 
     }
 }
 
+TEST_CASE("restore_validity: relief depends neither on threads nor on the order of cells", "[volume]")
+{
+  const double bend = GENERATE(-1.0, 1.0);
+  Wall_with_pocket first(bend, 3), other(bend, 3);
+  first.mesh.restore();
+  SECTION("threads")
+  {
+    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, GENERATE(1, 3));
+    other.mesh.restore();
+  }
+  SECTION("order")
+  {
+    std::vector<Index>& list = other.mesh.mesh.elements[Element_type::tetrahedron];
+    std::vector<Index> reversed;
+    for (auto cell = list.end(); cell != list.begin(); cell -= node_count(Element_type::tetrahedron, 3))
+      reversed.insert(reversed.end(), cell - node_count(Element_type::tetrahedron, 3), cell);
+    list = reversed;
+    other.mesh.restore();
+  }
+  CHECK(other.mesh.nodes == first.mesh.nodes);
+  CHECK(other.mesh.factors == first.mesh.factors);
+}
+
 TEST_CASE("restore_validity: relief on one side of a linked pair is relief on both", "[volume]")
 {
   const int degree = GENERATE(2, 3);
