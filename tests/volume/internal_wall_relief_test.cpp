@@ -111,18 +111,18 @@ TEST_CASE("a lone cell: the room that fixed nodes leave", "[volume]")
     return straight[m][1] == 0 || straight[m][2] == 0 || int(m) < corner_count(type);
   };
   Lone_cell cell(type, degree, straight, [&](std::size_t m) { return !is_fixed(m); });
-  CHECK(cell.room(straight, 0, is_valid) == Approx(1));
+  CHECK(cell.room(straight, 0, 2, is_valid) == Approx(1));
 
   std::vector<Point> torn = straight; // inner nodes thrown together: they find back
   for (std::size_t m = 0; m < torn.size(); ++m)
     if (!is_fixed(m))
       for (std::size_t d = 0; d < 3; ++d)
         torn[m][d] += 0.2 * (0.4 - torn[m][d]);
-  CHECK(cell.room(torn, 0, is_valid) == Approx(1).epsilon(0.05));
+  CHECK(cell.room(torn, 0, 2, is_valid) == Approx(1).epsilon(0.05));
 
   std::vector<Point> folded = straight; // the edge from corner 0 to corner 1 runs back at its end
   for (const int m : inside_edge(type, degree, 0))
     folded[std::size_t(m)][0] += 2;
-  CHECK(cell.room(folded, 0, is_valid) == 0);
-  CHECK(cell.room(straight, 2, is_valid) == 0); // no determinant at fixed points is twice that of the straight cell
+  CHECK(cell.room(folded, 0, 2, is_valid) == 0);
+  CHECK(cell.room(straight, 2, 2, is_valid) == 0); // no determinant at fixed points is twice that of the straight cell
 }

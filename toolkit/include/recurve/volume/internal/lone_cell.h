@@ -39,9 +39,10 @@ public:
   /// `least` since the fixed nodes leave no more.
   ///
   /// \param positions  of all nodes; the movable ones start there.
+  /// \param enough     more is not looked for.
   /// \param is_valid   callable (positions) -> bool.
   template <class IsValid>
-  double room(std::vector<Point> positions, double least, const IsValid& is_valid)
+  double room(std::vector<Point> positions, double least, double enough, const IsValid& is_valid)
   {
     const double fixed = fixed_room(positions);
     if (!(fixed > 0 && fixed >= least))
@@ -56,7 +57,7 @@ public:
           positions[order_[k]][d] = straight_[order_[k]][d] + repair_.displacements()[k][d];
       return is_valid(positions);
     };
-    const bool has_room = movable_ == 0 ? is_done() : untangle(repair_, is_done);
+    const bool has_room = movable_ == 0 ? is_done() : untangle(repair_, is_done, enough);
     return has_room ? std::max(repair_.least_determinant(), 0.0) : 0;
   }
 

@@ -5,13 +5,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 namespace recurve::internal {
 
 /// minimises with less and less regularisation until `is_done()`, or until it gets no better. Returns whether it is.
+/// \param enough  smallest determinant, relative to the straight cells, that calls for no further improvement.
 template <class IsDone>
-bool untangle(Repair_component& repair, const IsDone& is_done)
+bool untangle(Repair_component& repair, const IsDone& is_done, double enough = std::numeric_limits<double>::infinity())
 {
   constexpr int stages = 10, steps = 20;
   constexpr double smallest = 1e-6; // of the regularisation, in units of det F of a rigid motion
@@ -27,6 +29,8 @@ bool untangle(Repair_component& repair, const IsDone& is_done)
     const double reached = repair.minimise(std::sqrt(smallest * smallest + negative * negative), steps);
     if (reached > 0 && is_done())
     {
+      if (reached >= enough)
+        return true;
       // They may be valid by a hair: the objective as it is meant carries them further from the edge.
       const std::vector<Point> valid = repair.displacements();
       if (!(repair.minimise(smallest, steps) >= reached && is_done()))

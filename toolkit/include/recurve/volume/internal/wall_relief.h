@@ -165,11 +165,11 @@ private:
     if (own.edges.empty() && own.faces.empty())
       return {};
     Lone_cell alone = without_neighbours(cell);
-    const auto room_with = [&](const Relief& relief, double least) {
-      return alone.room(positions_with(cell, own, relief), least,
+    const auto room_with = [&](const Relief& relief, double least, double enough) {
+      return alone.room(positions_with(cell, own, relief), least, enough,
                         [&](std::span<const Point> positions) { return is_valid_at(cell, positions); });
     };
-    if (room_with({}, 0) > 0)
+    if (room_with({}, 0, 0) > 0)
     {
       const auto before = asked_.find(cell);
       if (before == asked_.end() || before->second.back().step == last_step)
@@ -215,7 +215,7 @@ private:
       for (const std::size_t part : choice.parts)
         for (const int m : parts[part].nodes)
           relief.nodes.push_back(node_of(cell, m));
-      const double enough = std::min(room, room_with(relief, 0) / 2);
+      const double enough = std::min(room, room_with(relief, 0, 2 * room) / 2);
       if (!(enough > 0))
         continue;
       const bool is_first = best.nodes.empty();
@@ -237,7 +237,7 @@ private:
   {
     const auto has_room = [&](std::size_t step) {
       relief.step = step;
-      return room_with(relief, enough) >= enough;
+      return room_with(relief, enough, enough) >= enough;
     };
     if (last != last_step && !has_room(last))
       return last + 1;
