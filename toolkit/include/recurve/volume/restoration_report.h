@@ -76,12 +76,12 @@ struct Restoration_report
   std::vector<Block_element> uncertified;
 
   Index failing_cells = 0;  ///< promised cells that were not valid as they came
-  Index repaired_cells = 0; ///< of them, those that moving inner nodes has made valid
-  Index repaired_nodes = 0; ///< inner nodes that were moved for it
+  Index repaired_cells = 0; ///< of them, those that moving inner nodes has made valid, and nothing else
+  Index repaired_nodes = 0; ///< inner nodes that were moved for it, or after the boundary was lowered
   Index reduced_cells = 0;  ///< cells with a node that has lost curvature
   std::array<Index, curving_factors.size()> nodes_of_level =
     {};             ///< displaced nodes by the first of `curving_factors` that is not above theirs
-  Index rounds = 0; ///< of reduction and certification
+  Index rounds = 0; ///< of lowering and certification
 
   bool is_certified() const { return uncertified.empty(); }
 };

@@ -50,7 +50,7 @@ public:
     else
     {
       failing = repair(std::move(failing));
-      report_.repaired_cells = report_.failing_cells - static_cast<Index>(failing.size());
+      report_.repaired_cells = std::max(report_.failing_cells - static_cast<Index>(failing.size()), Index(0));
       failing = relieve(std::move(failing));
       if (!failing.empty() && !reduce_nearby(failing))
         fade(std::move(failing));
