@@ -37,6 +37,7 @@ std::map<int, double> followers(Element_type type, int degree, const std::vector
 std::vector<Point> straight_nodes(Element_type type, int degree)
 {
   std::vector<Point> result;
+  result.reserve(static_cast<std::size_t>(node_count(type, degree)));
   for (int m = 0; m < node_count(type, degree); ++m)
     result.push_back(reference_point(type, degree, m));
   return result;
