@@ -217,3 +217,24 @@ TEST_CASE("a slice of a sphere: the symmetry plane across z stays to the bit, th
   CHECK(off(result->straight) < 1e-14);
   CHECK(off(result->curved) < 1e-14);
 }
+
+TEST_CASE("a coarse sphere: the one folded cell costs the two faces that it has there, whatever the degree")
+{
+  Curving_options options;
+  options.degree = GENERATE(2, 3, 4);
+  CAPTURE(options.degree);
+  const auto result = convert("curved/tet_sphere_R0.5_in_box_p1_v22.msh", options);
+  if (!result)
+    return;
+  const Certification& found = result->report.certification;
+  CHECK(found.is_certified());
+  CHECK(found.restoration.failing_cells == 1);
+  CHECK(found.curved_faces == 78);
+  REQUIRE(found.reduced_faces.size() == 2);
+  for (const Reduced_face& face : found.reduced_faces)
+  {
+    CHECK(face.patch == "sphere");
+    CHECK(face.factor >= 0.75);
+  }
+  CHECK(found.full_share() > 0.97);
+}

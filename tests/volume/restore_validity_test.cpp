@@ -1,9 +1,11 @@
 #include <recurve/volume/restore_validity.h>
 
 #include <recurve/core/exceptions.h>
+#include <recurve/elements/basis.h>
 #include <volume/jacobian_oracles.h>
 #include <volume/small_meshes.h>
 
+#include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 #include <tbb/global_control.h>
 
@@ -122,6 +124,94 @@ auto bulge(double rise, double reach)
 
 const auto is_floor = [](const Point& p) { return p[2] == 0; };
 const auto is_side = [](const Point& p) { return p[2] != 0 && (p[0] == 0 || p[0] == 1 || p[1] == 0 || p[1] == 1); };
+
+/// A sheared grid of 3 x 3 x 2 cells, cut into tetrahedra, on a wall z = bend (x^2 + y^2) / 8. Below its middle a
+/// tetrahedron is added whose two lower faces then lie on the wall: the common edge ab is the diagonal that the others
+/// do not have.
+struct Wall_with_pocket
+{
+  double bend; ///< 1: the wall is hollow, as seen from the cells; -1: round
+  Deformed_mesh mesh;
+  std::vector<std::vector<Index>> faces; ///< of the wall, the two of the pocket last
+  std::vector<Index> ab;                 ///< the nodes inside the edge
+
+  Wall_with_pocket(double bend_of_wall, int degree) : bend(bend_of_wall), mesh(grid(degree))
+  {
+    Small_mesh wall = mesh.mesh;
+    wall.elements.clear();
+    for (int j = 0; j < 3; ++j)
+      for (int i = 0; i < 3; ++i)
+        if (i != 1 || j != 1)
+        {
+          wall.add(Element_type::triangle, {vertex(i, j, 0), vertex(i + 1, j, 0), vertex(i + 1, j + 1, 0)});
+          wall.add(Element_type::triangle, {vertex(i, j, 0), vertex(i + 1, j + 1, 0), vertex(i, j + 1, 0)});
+        }
+    wall.add(Element_type::triangle, {vertex(2, 1, 0), vertex(1, 2, 0), vertex(1, 1, 0)});
+    wall.add(Element_type::triangle, {vertex(1, 2, 0), vertex(2, 1, 0), vertex(2, 2, 0)});
+    const std::vector<Index>& nodes = wall.elements[Element_type::triangle];
+    const auto stride = node_count(Element_type::triangle, degree);
+    for (auto first = nodes.begin(); first != nodes.end(); first += stride)
+      faces.emplace_back(first, first + stride);
+    for (const int m : edge_nodes(Element_type::triangle, degree, 0).subspan(2))
+      ab.push_back(faces.back()[std::size_t(m)]);
+    for (const Index n : nodes)
+    {
+      // A little too far, as fits go: exactly on the wall the pocket is flat to within rounding.
+      Point& p = mesh.nodes[std::size_t(n)];
+      const Point& straight = mesh.mesh.nodes[std::size_t(n)];
+      mesh.roles[std::size_t(n)] = Node_role::surface;
+      p[2] = straight[2] + 1.02 * (height(straight[0], straight[1]) - straight[2]);
+    }
+  }
+
+  double height(double x, double y) const { return bend * (x * x + y * y) / 8; }
+
+  Point vertex(int i, int j, int k) const
+  {
+    const double x = i + bend * j / 4 - 1.5, y = j - 1.5;
+    return {x, y, k + height(x, y)};
+  }
+
+  Small_mesh grid(int degree) const
+  {
+    Small_mesh result =
+      cut_box(Element_type::tetrahedron, degree, {3, 3, 2}, [this](int i, int j, int k) { return vertex(i, j, k); });
+    result.add(Element_type::tetrahedron, {vertex(2, 1, 0), vertex(1, 2, 0), vertex(1, 1, 0), vertex(2, 2, 0)});
+    return result;
+  }
+
+  bool is_reduced(std::span<const Index> list) const
+  {
+    return std::ranges::any_of(list, [this](Index n) { return mesh.factors[std::size_t(n)] < 1; });
+  }
+
+  /// the largest angle between the normals on the two sides of edge ab, in radians.
+  double kink_of_ab(const std::vector<Point>& nodes) const
+  {
+    double largest = 0;
+    for (const double t : {0.0, 0.1, 0.25, 0.5, 0.75, 0.9, 1.0})
+    {
+      const Eigen::Vector3d one = normal(faces[faces.size() - 2], t, nodes), other = normal(faces.back(), 1 - t, nodes);
+      largest = std::max(largest, std::atan2(one.cross(other).norm(), one.dot(other)));
+    }
+    return largest;
+  }
+
+  /// at (t, 0) of a face.
+  Eigen::Vector3d normal(const std::vector<Index>& face, double t, const std::vector<Point>& nodes) const
+  {
+    std::vector<std::array<double, 3>> slopes(face.size());
+    lagrange_derivatives(Element_type::triangle, mesh.mesh.degree, {t, 0, 0}, slopes);
+    Eigen::Vector3d u = Eigen::Vector3d::Zero(), v = u;
+    for (std::size_t m = 0; m < face.size(); ++m)
+    {
+      const Eigen::Map<const Eigen::Vector3d> p(nodes[std::size_t(face[m])].data());
+      u += slopes[m][0] * p;
+      v += slopes[m][1] * p;
+    }
+    return u.cross(v).normalized();
+  }
+};
 
 const Restoration_options factors_only = {.repair_layers = 0};
 
@@ -324,6 +414,88 @@ TEST_CASE("restore_validity: inner nodes are repaired, and nothing is given up",
   for (std::size_t n = 0; n < m.nodes.size(); ++n)
     if (is_corner[n] || m.roles[n] != Node_role::inside)
       CHECK(m.nodes[n] == smooth[n]);
+}
+
+TEST_CASE("restore_validity: a cell with two faces on a smooth wall costs these and what shares their edges",
+          "[volume]")
+{
+  const int degree = GENERATE(2, 3, 4);
+  const double bend = GENERATE(-1.0, 1.0);
+  CAPTURE(degree, bend);
+  Wall_with_pocket wall(bend, degree);
+  Deformed_mesh& m = wall.mesh;
+  const std::vector<Point> full = m.nodes;
+  REQUIRE(bound_jacobians(m.mesh.nodes, m.mesh.blocks(), degree).total().invalid == 0);
+  const Restoration_report report = m.restore();
+  CHECK(report.failing_cells == 1);
+  CHECK(report.is_certified());
+  CHECK(is_valid(m));
+
+  std::vector<std::vector<Index>> reduced;
+  for (const auto& face : wall.faces)
+    if (wall.is_reduced(face))
+      reduced.push_back(face);
+  if (bend < 0) // Round: lowering ab opens the pocket.
+  {
+    CHECK(wall.is_reduced(wall.ab));
+    CHECK(reduced == std::vector(wall.faces.end() - 2, wall.faces.end()));
+    CHECK(wall.kink_of_ab(m.nodes) < wall.kink_of_ab(m.mesh.nodes));
+  }
+  else // Hollow: that would close it further. Two other edges have to give way, one at a and one at b.
+  {
+    CHECK_FALSE(wall.is_reduced(wall.ab));
+    CHECK(reduced.size() == 3);
+    CHECK(wall.is_reduced(wall.faces.back()) != wall.is_reduced(wall.faces[wall.faces.size() - 2]));
+  }
+  for (std::size_t n = 0; n < m.nodes.size(); ++n)
+    if (m.roles[n] == Node_role::surface)
+    {
+      CHECK(m.factors[n] >= 0.75);
+      CHECK(m.nodes[n][0] == m.mesh.nodes[n][0]);
+      CHECK(m.nodes[n][2] - m.mesh.nodes[n][2] ==
+            Approx(m.factors[n] * (full[n][2] - m.mesh.nodes[n][2])).margin(1e-14));
+    }
+}
+
+TEST_CASE("restore_validity: relief depends neither on threads nor on the order of cells", "[volume]")
+{
+  const double bend = GENERATE(-1.0, 1.0);
+  Wall_with_pocket first(bend, 3), other(bend, 3);
+  first.mesh.restore();
+  SECTION("threads")
+  {
+    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, GENERATE(1, 3));
+    other.mesh.restore();
+  }
+  SECTION("order")
+  {
+    std::vector<Index>& list = other.mesh.mesh.elements[Element_type::tetrahedron];
+    std::vector<Index> reversed;
+    for (auto cell = list.end(); cell != list.begin(); cell -= node_count(Element_type::tetrahedron, 3))
+      reversed.insert(reversed.end(), cell - node_count(Element_type::tetrahedron, 3), cell);
+    list = reversed;
+    other.mesh.restore();
+  }
+  CHECK(other.mesh.nodes == first.mesh.nodes);
+  CHECK(other.mesh.factors == first.mesh.factors);
+}
+
+TEST_CASE("restore_validity: relief on one side of a linked pair is relief on both", "[volume]")
+{
+  const int degree = GENERATE(2, 3);
+  Wall_with_pocket wall(-1, degree);
+  const std::vector<Index>& far = wall.faces.front();
+  std::vector<std::array<Index, 2>> linked;
+  for (std::size_t m = 0; m < wall.ab.size(); ++m)
+    linked.push_back({far[3 + m], wall.ab[m]}); // its first edge
+  const Restoration_report report = restore_validity(wall.mesh.nodes, wall.mesh.mesh.nodes, wall.mesh.mesh.blocks(),
+                                                     degree, {wall.mesh.roles, linked, wall.mesh.factors});
+  CHECK(report.is_certified());
+  CHECK(wall.is_reduced(wall.ab));
+  for (const auto& [a, b] : linked)
+    CHECK(wall.mesh.factors[std::size_t(a)] == wall.mesh.factors[std::size_t(b)]);
+  if (degree == 3)
+    CHECK(wall.mesh.factors[std::size_t(far.back())] < 1); // the node inside the face follows
 }
 
 TEST_CASE("restore_validity: linked nodes keep the same share", "[volume]")

@@ -23,8 +23,8 @@ enum class Node_role : std::uint8_t
 /// Where the second node of a linked pair belongs if the first one is at `position`; `pair` is the number of the pair.
 using Linked_image = std::function<Point(std::size_t pair, const Point& position)>;
 
-/// The shares of its displacement that a node may keep. Each vertex, edge, face and cell interior has one of them: its
-/// level. The last one takes it back to where the straight-sided mesh has it, to the bit.
+/// The shares of its displacement that a node may keep when a cell is reduced. Each vertex, edge, face and cell
+/// interior has one of them: its level. The last one takes it back to where the straight-sided mesh has it, to the bit.
 inline constexpr std::array<double, 6> curving_factors = {1, 0.75, 0.5, 0.25, 0.125, 0};
 
 /// The level of a node that is back on the straight-sided mesh.
@@ -36,15 +36,16 @@ struct Restoration_options
   Jacobian_options jacobian = {}; ///< how long to try to decide about a cell
 
   /// Layers of cells around a failing one, whose inner nodes may be moved to make it valid without giving up any
-  /// curvature of the boundary; 0: no such repair.
+  /// curvature of the boundary, or after a few edges and faces of the boundary have been lowered; 0: no such repair.
   int repair_layers = 3;
 
   /// Largest number of nodes that one repair moves; more of them are left to the factors. A step costs about a
   /// microsecond for each.
   Index largest_repair = 200000;
 
-  /// Layers of faces and cells around a reduced one that are reduced as well, less and less, so that the surface does
-  /// not kink.
+  /// Layers of faces and cells around one that has been reduced as a whole that are reduced as well, less and less, so
+  /// that the surface does not kink. Where edges and faces of the boundary are lowered for a repair, the faces beside
+  /// them bend over to the others by themselves.
   int smoothing_layers = 1;
 };
 
@@ -75,12 +76,12 @@ struct Restoration_report
   std::vector<Block_element> uncertified;
 
   Index failing_cells = 0;  ///< promised cells that were not valid as they came
-  Index repaired_cells = 0; ///< of them, those that moving inner nodes has made valid
-  Index repaired_nodes = 0; ///< inner nodes that were moved for it
+  Index repaired_cells = 0; ///< of them, those that moving inner nodes has made valid, and nothing else
+  Index repaired_nodes = 0; ///< inner nodes that were moved for it, or after the boundary was lowered
   Index reduced_cells = 0;  ///< cells with a node that has lost curvature
   std::array<Index, curving_factors.size()> nodes_of_level =
     {};             ///< displaced nodes by the first of `curving_factors` that is not above theirs
-  Index rounds = 0; ///< of reduction and certification
+  Index rounds = 0; ///< of lowering and certification
 
   bool is_certified() const { return uncertified.empty(); }
 };

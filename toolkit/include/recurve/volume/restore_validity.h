@@ -43,14 +43,17 @@ struct Restoration_nodes
 /// 2. The cells with displaced nodes are certified (`bound_jacobian()`); undecided counts as failing.
 /// 3. Around failing cells, nodes inside the volume are moved so that the cells resemble the straight-sided ones as
 ///    closely as the boundary lets them, with a barrier against folding. What this makes worse is undone.
-/// 4. Cells that still fail lower the factors of their vertices, edges, faces and interior on the ladder
+/// 4. A cell that could not be valid wherever its inner nodes were is relieved: the edges and insides of faces on the
+///    curved boundary are lowered that cost the fewest faces their full curvature, as little as will do, and 3 follows.
+///    What has not helped is taken back.
+/// 5. Cells that still fail lower the factors of their vertices, edges, faces and interior on the ladder
 ///    `curving_factors`: those of the inside alone if that makes the cell valid, else also those of followers, else of
 ///    all. All failing cells decide from the same state, the smallest factor asked for counts, and then every cell that
-///    shares a node is certified anew. Factors never grow, and a cell whose factors are all 0 is the straight-sided
-///    one: so it ends.
-/// 5. Reductions fade out over some layers; then 4 again. Where this does not come to rest soon (in layers thinner than
+///    shares a node is certified anew. From here on factors never grow, and a cell whose factors are all 0 is the
+///    straight-sided one: so it ends.
+/// 6. Reductions fade out over some layers; then 5 again. Where this does not come to rest soon (in layers thinner than
 ///    the displacement), it is undone, and displacements are scaled smoothly around failing cells instead.
-/// 6. All cells are certified, with nothing taken over from before.
+/// 7. All cells are certified, with nothing taken over from before.
 ///
 /// A node shared by cells, or by zones, stays shared; one that has not been displaced stays where it is, to the bit;
 /// one that only loses curvature stays on the line between its two positions, hence in a plane that has both.

@@ -51,26 +51,29 @@ public:
   bool is_displaced(Index node) const { return full(node) != straight(node); }
 
   /// the share of its displacement that the node keeps at a level.
-  double factor(Index node, std::uint8_t level) const
-  {
-    const auto found = fades_.find(node);
-    return curving_factors[level] * (found == fades_.end() ? 1 : found->second);
-  }
+  double factor(Index node, std::uint8_t level) const { return curving_factors[level] * fade_of(node); }
   double factor(Index node) const { return factor(node, level(node)); }
 
   /// where the node stands at a level. A coordinate that both positions share is theirs, to the bit. The image of
   /// another node goes with that one.
   Point position(Index node, std::uint8_t level) const
   {
-    const Point from = straight(node), to = full(node);
     const double share = factor(node, level);
+    if (share != 0 && share != 1 && is_displaced(node))
+      if (const auto pair = leader_.find(node); pair != leader_.end())
+        if (const Index first = linked_.pairs[pair->second][0]; is_displaced(first))
+          return linked_.image(pair->second, position(first, level));
+    return position_keeping(node, share);
+  }
+
+  /// where the node stands by itself with a share of its displacement.
+  Point position_keeping(Index node, double share) const
+  {
+    const Point from = straight(node), to = full(node);
     if (share == 1)
       return to;
     if (share == 0 || from == to)
       return from;
-    if (const auto pair = leader_.find(node); pair != leader_.end())
-      if (const Index first = linked_.pairs[pair->second][0]; is_displaced(first))
-        return linked_.image(pair->second, position(first, level));
     Point result;
     for (std::size_t d = 0; d < 3; ++d)
       result[d] = from[d] + share * (to[d] - from[d]);
@@ -95,6 +98,14 @@ public:
       return;
     own = share;
     mark(node);
+  }
+
+  /// forgets every `fade()`. Takes effect with `apply()`.
+  void forget_fades()
+  {
+    for (const auto& [node, share] : fades_)
+      mark(node);
+    fades_.clear();
   }
 
   /// takes levels back to what they were. Takes effect with `apply()`.
@@ -142,6 +153,12 @@ public:
   }
 
 private:
+  double fade_of(Index node) const
+  {
+    const auto found = fades_.find(node);
+    return found == fades_.end() ? 1 : found->second;
+  }
+
   /// of several pairs with the same image the last one leads. Periods in three directions make chains of three; what
   /// is much longer may be a circle, and is cut.
   void find_leaders()

@@ -4,13 +4,13 @@
 #include <recurve/core/types.h>
 #include <recurve/volume/internal/repair_component.h>
 #include <recurve/volume/internal/restoration_cells.h>
+#include <recurve/volume/internal/untangle.h>
 #include <recurve/volume/restoration_report.h>
 
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -187,36 +187,6 @@ private:
       }
     }
     return Repair_component(cells, std::move(displacements), numbering.movable);
-  }
-
-  /// minimises with less and less regularisation until `is_done()`, or until it gets no better.
-  template <class IsDone>
-  static bool untangle(Repair_component& repair, const IsDone& is_done)
-  {
-    constexpr int stages = 10, steps = 20;
-    constexpr double smallest = 1e-6; // of the regularisation, in units of det F of a rigid motion
-    constexpr double share = 0.2;     // of the worst negative determinant, as in the source
-    constexpr double hopeless = -10;  // turned over ten times: to be reduced first
-    int idle = 0;
-    double least = repair.least_determinant();
-    if (!(least > hopeless))
-      return false;
-    for (int stage = 0; stage < stages && idle < 2; ++stage)
-    {
-      const double negative = share * std::min(least, 0.0);
-      const double reached = repair.minimise(std::sqrt(smallest * smallest + negative * negative), steps);
-      if (reached > 0 && is_done())
-      {
-        // They may be valid by a hair: the objective as it is meant carries them further from the edge.
-        const std::vector<Point> valid = repair.displacements();
-        if (!(repair.minimise(smallest, steps) >= reached && is_done()))
-          repair.displace(valid);
-        return true;
-      }
-      idle = reached > least + 0.02 * std::abs(least) ? 0 : idle + 1;
-      least = reached;
-    }
-    return false;
   }
 
   /// whether fewer cells would fail, and none of those that do not now.

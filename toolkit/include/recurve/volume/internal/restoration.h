@@ -10,6 +10,7 @@
 #include <recurve/volume/internal/flat_cell.h>
 #include <recurve/volume/internal/repair_interior.h>
 #include <recurve/volume/internal/restoration_cells.h>
+#include <recurve/volume/internal/wall_relief.h>
 #include <recurve/volume/restoration_report.h>
 
 #include <tbb/parallel_for.h>
@@ -49,7 +50,9 @@ public:
     else
     {
       failing = repair(std::move(failing));
-      if (!reduce_nearby(failing))
+      report_.repaired_cells = std::max(report_.failing_cells - static_cast<Index>(failing.size()), Index(0));
+      failing = relieve(std::move(failing));
+      if (!failing.empty() && !reduce_nearby(failing))
         fade(std::move(failing));
       reduce(repair(cells_.with(Restoration_cells::failing)), most_rounds);
       report_.restored = certify_all(); // anew: nothing rests on what was remembered
@@ -194,9 +197,30 @@ private:
     Interior_repair(cells_, levels_, roles_, options_, is_valid_at).run(failing);
     report_.repaired_nodes += levels_.change_count();
     certify_changes();
-    std::vector<Block_element> rest = cells_.with(Restoration_cells::failing);
-    report_.repaired_cells += static_cast<Index>(failing.size()) - static_cast<Index>(rest.size());
-    return rest;
+    return cells_.with(Restoration_cells::failing);
+  }
+
+  /// lowers as little of the wall as failing cells need, lets the interior follow, and lowers more where that does not
+  /// help. What has not helped in the end is undone. Returns the cells that still fail.
+  std::vector<Block_element> relieve(std::vector<Block_element> failing)
+  {
+    if (options_.repair_layers == 0 || failing.empty())
+      return failing;
+    const auto is_valid_at = [this](Block_element cell, const auto& position) {
+      return this->is_valid(cell, position);
+    };
+    Wall_relief relief(cells_, levels_, roles_, is_valid_at);
+    constexpr int few = 12; // rounds; nearly always one does
+    for (int round = 0; round < few && !failing.empty() && relief.grant(failing); ++round)
+    {
+      ++report_.rounds;
+      certify_changes();
+      failing = repair(cells_.with(Restoration_cells::failing));
+    }
+    if (!relief.take_back())
+      return failing;
+    certify_changes();
+    return repair(cells_.with(Restoration_cells::failing));
   }
 
   // Reduction. -------------------------------------------------------------------------------------------------------
