@@ -259,6 +259,22 @@ class Command_line(unittest.TestCase):
         self.assertEqual(run.returncode, BAD_INPUT)
         self.assertIn("nowhere", run.stderr)
 
+    def test_surface_file(self):
+        surface = self.folder / "tetrahedron.off"
+        surface.write_text("OFF\n4 4 0\n1 1 1\n1 -1 -1\n-1 1 -1\n-1 -1 1\n3 0 1 2\n3 0 3 1\n3 0 2 3\n3 1 3 2\n")
+        out = self.folder / "tetrahedron.vtu"
+        run = recurve("curve", surface, out)
+        self.assertEqual(run.returncode, DONE, run.stderr)
+        self.assertIn("4 faces", run.stdout)
+        self.assertTrue(out.exists())
+        out.unlink()
+        for arguments in (["--report", self.folder / "r.json"], ["--histogram", self.folder / "h.svg"],
+                          ["--periodic", "a,b"], ["--curve", "wall"]):
+            run = recurve("curve", surface, out, *arguments)
+            self.assertEqual(run.returncode, USAGE, arguments)
+            self.assertIn("surface mesh", run.stderr)
+            self.assertFalse(out.exists())
+
     def test_quiet(self):
         run = recurve("curve", self.mesh, self.out, "--quiet")
         self.assertEqual((run.returncode, run.stdout, run.stderr), (DONE, "", ""))

@@ -134,6 +134,10 @@ int run_on_surface(const Curve_arguments& given)
       fmt::format("{}: a surface mesh has no patches to choose and no edges to edit", given.input.string()));
   if (!given.report.empty())
     throw Usage_error("--report: there is none for a surface mesh");
+  if (!given.histogram.empty())
+    throw Usage_error("--histogram: a surface mesh has no cells");
+  if (!given.periodic.empty())
+    throw Usage_error("--periodic: a surface mesh has no patches");
   Progress_bar bar(!given.is_quiet);
   const Progress_callback progress = callback_of(bar);
   Pending_file file(given.output);

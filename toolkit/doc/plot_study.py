@@ -12,6 +12,7 @@ import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
+from matplotlib.ticker import NullFormatter
 
 
 def read(path):
@@ -35,11 +36,12 @@ def main():
                          alpha=0.6 if preset == "paper" else 1, label=f"d = {d}, {preset}")
         panel.set_title(family)
         panel.set_xlabel("mean edge length")
+        panel.xaxis.set_minor_formatter(NullFormatter())
         panel.grid(True, which="both", alpha=0.3)
     panels[0][0].set_ylabel("largest distance from the exact surface")
     panels[0][-1].legend(fontsize=7)
     figure.tight_layout()
-    figure.savefig(sys.argv[2], dpi=120)
+    figure.savefig(sys.argv[2], dpi=80)
 
 
 if __name__ == "__main__":

@@ -85,7 +85,7 @@ struct Vertex_fit_options
 /// \throws Input_error if a field of `options` is out of its range, a face is neither triangle nor quad or a
 ///         coordinate is not finite.
 /// \throws Cancelled if the progress callback asks to stop.
-/// \par Complexity  linear in the vertices; memory about 900 bytes per vertex at its peak.
+/// \par Complexity  linear in the vertices; memory about 1.1 kB per vertex at its peak.
 /// \par Source      Jiao & Wang 2012 (WALF: fits of vertices, averaged).
 template <class Graph, class NamedParameters = No_parameters, class Policies = Compact_policies>
 Vertex_fits<Graph> fit_vertices(const Graph& g, const Vertex_fit_options& options = {},
