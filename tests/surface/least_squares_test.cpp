@@ -52,7 +52,7 @@ void check_solver(const Solver& solver, double bound, int highest_degree)
       solver(problem.points(is_through_origin), degree, found);
       for (std::size_t c = 0; c < found.size(); ++c)
         CHECK(found[c] == Approx(problem.expected[c]).margin(bound));
-      // fewer points than coefficients: finite, and the points are met
+      // fewer points than coefficients: finite
       const Problem poor(degree, coefficient_count(degree) - 1, is_through_origin);
       solver(poor.points(is_through_origin), degree, found);
       for (const double c : found)
@@ -70,6 +70,55 @@ TEST_CASE("all solvers find the same polynomial", "[policies]")
   check_solver(Pivoted_qr{}, 1e-9, max_vertex_fit_degree);
   check_solver(Truncated_svd{}, 1e-9, max_vertex_fit_degree);
   check_solver(Conjugate_residual{1e-13}, 1e-3, 4); // squares the condition of the equations
+}
+
+TEST_CASE("every solver takes every degree", "[policies]")
+{
+  for (int degree = 1; degree <= max_vertex_fit_degree; ++degree)
+  {
+    CAPTURE(degree);
+    const Problem problem(degree, coefficient_count(degree) + 5, true);
+    std::vector<double> found(problem.expected.size(), 99);
+    Conjugate_residual{}(problem.points(true), degree, found);
+    for (const double c : found)
+      CHECK((std::isfinite(c) && c != 99));
+  }
+}
+
+TEST_CASE("the polynomial of a lower degree to the last points is that of a direct solution", "[policies]")
+{
+  for (const int degree : {6, 8, 12})
+    for (const bool is_through_origin : {false, true})
+      for (const int more : {4, 5}) // odd and even numbers of equations
+      {
+        // Heights of a polynomial of the full degree: the lower ones have something to approximate.
+        const Problem problem(degree, coefficient_count(degree) + more, is_through_origin);
+        const Graded_qr solver;
+        std::vector<double> full(problem.expected.size());
+        for (int lower = degree - 2; lower > 0; lower -= 2)
+        {
+          CAPTURE(degree, is_through_origin, more, lower);
+          solver(problem.points(is_through_origin), degree, full);
+          std::vector<double> found(static_cast<std::size_t>(coefficient_count(lower)), 99), expected = found;
+          solver.solve_lower(lower, found);
+          solver(problem.points(is_through_origin), lower, expected);
+          double largest = 0;
+          for (const double c : expected)
+            largest = std::max(largest, std::abs(c));
+          for (std::size_t c = 0; c < found.size(); ++c)
+            CHECK(found[c] == Approx(expected[c]).margin(1e-8 * largest));
+        }
+      }
+  // Another solver came between, or no such degree was solved: not a number.
+  const Problem problem(4, 40, true);
+  std::vector<double> found(problem.expected.size());
+  Graded_qr{}(problem.points(true), 4, found);
+  std::vector<double> higher(static_cast<std::size_t>(coefficient_count(6)));
+  Graded_qr{}.solve_lower(6, higher);
+  CHECK(std::isnan(higher[1]));
+  Pivoted_qr{}(problem.points(true), 4, found);
+  Graded_qr{}.solve_lower(2, found);
+  CHECK(std::isnan(found[1]));
 }
 
 TEST_CASE("slopes are data as good as heights", "[policies]")

@@ -81,14 +81,16 @@ struct Gaussian_weighting
 struct Graded_qr
 {
   double least_independence = 1e-3; ///< sine of the angle between a column and those before it, below which the points
-                                    ///< do not tell it from them
+                                    ///< do not tell it from them; ten times less for each degree of the
+                                    ///< polynomial above eight
 
   void operator()(const Weighted_points& points, int degree, std::span<double> coefficients) const
   {
     internal::surface::solve_by_graded_qr(points, degree, least_independence, coefficients);
   }
 
-  /// the polynomial of a lower degree for the points that the calling thread solved last, at next to no cost.
+  /// the polynomial of a lower degree for the points that the calling thread solved last, with any `Graded_qr`, at next
+  /// to no cost.
   void solve_lower(int degree, std::span<double> coefficients) const
   {
     internal::surface::solve_last_for_lower_degree(degree, coefficients);

@@ -35,8 +35,8 @@ struct Surface_curving_options
 /// - A node on any other edge is the mean of where the fits of the two faces lift its straight-sided position (the one
 ///   fit on a border). A flat fit (degree 0) leaves it in place.
 /// - A node inside a face is lifted by the face's fit from its straight-sided position. In a face that has an edge on
-///   such a spline it starts from the blend of the displaced edges, since the spline also moves nodes along the surface;
-///   a flat fit then leaves it in the blend.
+///   such a spline it starts from the blend of the displaced edges, since the spline also moves nodes along the
+///   surface; a flat fit then leaves it in the blend, and a flat blend of vertex fits in that of whatever edges move.
 ///
 /// Each edge is written once, so that faces meet exactly: in the order of `edges(g)`, from the view of `halfedge(e, g)`
 /// for each e of that range. (An edge that was made by `edge(h, g)` may have another half-edge: CGAL remembers h.) `g`
@@ -44,7 +44,7 @@ struct Surface_curving_options
 ///
 /// \tparam Graph        model of `FaceListGraph`; triangles and quads.
 /// \tparam FaceFitMap   model of `ReadablePropertyMap`: face_descriptor -> `Local_fit`, as `reconstruct_surface()`
-///                      writes them. Read by several threads at once.
+///                      writes them, or `Vertex_fits::face_map()`. Read by several threads at once.
 /// \tparam EdgeNodeMap  model of `WritablePropertyMap`: `Edge_node<Graph>` -> Point_3. Written by one thread at a time.
 /// \tparam FaceNodeMap  model of `WritablePropertyMap`: `Face_node<Graph>` -> Point_3. Written by one thread at a time.
 /// \param curves        as `trace_feature_curves()` returns them; their edges are edges of `g`.

@@ -51,7 +51,9 @@ struct Vertex_fit_options
   int polynomial_degree = 0; ///< 1 to max_vertex_fit_degree; 0: vertex_fit_degree(degree)
   int more_degrees_at_rim = -1; ///< added, at most, to the degree of polynomials next to a border or critical edge,
                                 ///< whose points lie on one side: 0 or more, up to `max_vertex_fit_degree` in all; -1:
-                                ///< see `vertex_fit_degree_at_rim()`. Taken where terms of higher degree get smaller.
+                                ///< see `vertex_fit_degree_at_rim()`. At most two where the rim is two edges away or
+                                ///< more. Taken where terms of higher degree get smaller, for polynomials of degree 5
+                                ///< or more.
   double largest_displacement = 0.3; ///< a fit that moves the middle of an edge at its vertex farther is lowered; in
                                      ///< lengths of the edge. 0.3 is the rise of an arc of 124 degrees.
   double largest_disagreement = 0.5; ///< where the fits of both ends of an edge displace its middle so differently,
@@ -65,12 +67,12 @@ struct Vertex_fit_options
 /// `Vertex_fits`. For `curve_surface()`.
 ///
 /// Compared with `reconstruct_surface()` there are half as many fits on triangles, from stencils that are half as wide:
-/// the error is smaller (see the manual page) at less cost. A planar surface gets fits that are exactly flat. A
-/// polynomial surface of degree <= `options.degree` is reproduced to round-off, a smooth one is approximated to
-/// O(h^(degree+1)).
+/// the error is smaller (see the manual page) at about the same cost or less. A planar surface gets fits that are
+/// exactly flat. A smooth surface is approximated to O(h^(degree+1)).
 ///
 /// A fit is checked against those of its neighbours; where two disagree on the edge between them, or a fit moves an
-/// edge too far, it is fitted again with a lower degree, down to 0, which leaves the surface straight there.
+/// edge too far, it is fitted again with a lower degree. A parabola stands if it is nearer to what the normals tell
+/// than no displacement is; else the degree is 0, which leaves the surface straight there.
 ///
 /// Lengths are in the unit of the points; nothing depends on that unit nor on the place of the mesh, nor on how far the
 /// mesh is stretched in a direction. The result is independent of the number of threads. `g` is not changed and must
@@ -82,10 +84,10 @@ struct Vertex_fit_options
 /// \param policies the compact ones by default. A stencil grows from one vertex, `Stencil_point::distance` is in units
 ///                 of the mean distance of the neighbours (of each direction's own, on long thin faces).
 /// \param report   if not null, set. A face has the lowest degree of its corners' fits, at most `options.degree`.
-/// \throws Input_error if a field of `options` is out of its range, a face is neither triangle nor quad or a
-///         coordinate is not finite.
+/// \throws Input_error if a field of `options` is out of its range, normals are to be data and `vertex_normal_map` is
+///         missing, a face is neither triangle nor quad or a coordinate is not finite.
 /// \throws Cancelled if the progress callback asks to stop.
-/// \par Complexity  linear in the vertices; memory about 1.1 kB per vertex at its peak.
+/// \par Complexity  linear in the vertices; memory about 1.3 kB per vertex at its peak, and 4 bytes for each thread.
 /// \par Source      Jiao & Wang 2012 (WALF: fits of vertices, averaged).
 template <class Graph, class NamedParameters = No_parameters, class Policies = Compact_policies>
 Vertex_fits<Graph> fit_vertices(const Graph& g, const Vertex_fit_options& options = {},
@@ -101,6 +103,9 @@ Vertex_fits<Graph> fit_vertices(const Graph& g, const Vertex_fit_options& option
   if (options.polynomial_degree < 0 || options.polynomial_degree > max_vertex_fit_degree)
     throw Input_error("degree of the polynomials: expected 0 to " + std::to_string(max_vertex_fit_degree) + ", found " +
                       std::to_string(options.polynomial_degree));
+  if (options.more_degrees_at_rim < -1 || options.more_degrees_at_rim > max_vertex_fit_degree)
+    throw Input_error("degrees more at rims: expected -1 to " + std::to_string(max_vertex_fit_degree) + ", found " +
+                      std::to_string(options.more_degrees_at_rim));
   if (!(options.largest_displacement > 0) || !(options.largest_disagreement > 0))
     throw Input_error("largest displacement and disagreement of the fits: expected positive numbers");
   if (options.data == Vertex_fit_data::points_and_normals && !has_parameter<NamedParameters, names::vertex_normal_map>)

@@ -19,12 +19,13 @@ concept Stencil = requires(const S& stencil, Stencil_builder& builder, int degre
   stencil(builder, degree);
 };
 
-/// What a `Weighting` may look at.
+/// What a `Weighting` may look at, in a fit of a face or of a vertex.
 struct Stencil_point
 {
-  double distance = 0;    ///< from the origin of the fit, over the largest distance of a corner of the face from it
-  double cosine = 1;      ///< n_face . n_point
-  bool is_corner = false; ///< whether it is a corner of the face
+  double distance = 0; ///< from the origin of the fit, over the largest distance of a corner of the face from it; in a
+                       ///< fit of a vertex over the mean distance of its neighbours, in each direction
+  double cosine = 1;   ///< of the normal of the face or vertex and that of the point
+  bool is_corner = false; ///< whether it is a corner of the face; false in fits of vertices
 };
 
 /// Weighs a vertex of a stencil: `weighting(point, degree)` returns a weight >= 0; at 0 the vertex takes no part. Only
@@ -40,6 +41,11 @@ concept Weighting = requires(const W& weighting, const Stencil_point& point, int
 /// Solves the weighted least-squares problem: `solver(points, degree, coefficients)` sets the coefficient_count(degree)
 /// coefficients of the polynomial of degree `degree` in the coordinates of `points`, numbered by coefficient_number().
 /// A coefficient that is not finite makes the caller lower the degree. Called by several threads at once.
+///
+/// For `fit_vertices()` it has to leave out the constant term, whose coefficient is then 0, where
+/// `points.is_through_origin`, and to meet `points.slopes` where there are some. It may have a member
+/// `solve_lower(degree, coefficients)` for the polynomial of a lower degree to the points that the calling thread
+/// solved last; without it they are solved again.
 template <class L>
 concept Least_squares_solver = requires(const L& solver, const Weighted_points& points, int degree,
                                         std::span<double> coefficients)
@@ -116,7 +122,7 @@ struct Conjugate_residual
   }
 };
 
-/// The variable parts of `reconstruct_surface()`; an aggregate:
+/// The variable parts of `reconstruct_surface()` and `fit_vertices()`; an aggregate:
 /// `Reconstruction_policies<Paper_stencil, My_weighting>{.weighting = {.width = 2}}`. The defaults are the paper's
 /// choices.
 template <Stencil S = Paper_stencil, Weighting W = Paper_weighting, Least_squares_solver L = Conjugate_residual>

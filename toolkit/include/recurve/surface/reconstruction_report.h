@@ -15,11 +15,11 @@ namespace recurve {
 enum class Lowering_reason : std::uint8_t
 {
   not_finite,   ///< a coefficient was infinite or not a number
-  displacement, ///< the fit moved the face farther than `Reconstruction_options::largest_displacement`
+  displacement, ///< the fit moved the face or an edge farther than `largest_displacement` of the options
   no_normal,    ///< the face has no area, hence no tangent plane: straight at once
   undetermined, ///< the points around do not tell the terms of the degree apart
-  disagreement  ///< the fits at the two ends of an edge differed by more than
-                ///< `Vertex_fit_options::largest_disagreement`
+  disagreement  ///< of a fit of a vertex with that of two degrees less, with what the normals tell or with the fit at
+                ///< the other end of an edge
 };
 
 /// "not finite", ... in lower case, as in reports.
@@ -41,7 +41,7 @@ struct Lowering
 {
   Index face = no_index;                                ///< position in `faces(g)`
   int degree = 0;                                       ///< of the fit it got
-  Lowering_reason reason = Lowering_reason::not_finite; ///< of the last lowering
+  Lowering_reason reason = Lowering_reason::not_finite; ///< of the last lowering; of fits of vertices, the first
 };
 
 /// What a call to `reconstruct_surface()` did. Reports of disjoint parts of a surface add up.

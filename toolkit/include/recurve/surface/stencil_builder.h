@@ -14,8 +14,8 @@ namespace recurve {
 /// Grows the stencil of one face, from the corners of the face outwards, or of one vertex; the tool of a `Stencil`
 /// policy.
 ///
-/// Growth follows the paper's neighbour rules and cannot cross a critical edge. A builder is used for one face after
-/// another and allocates nothing once its list has grown to the largest stencil.
+/// Growth follows the paper's neighbour rules and cannot cross a critical edge. A builder is used for one face or
+/// vertex after another and allocates nothing once its list has grown to the largest stencil.
 class Stencil_builder
 {
 public:
@@ -28,8 +28,9 @@ public:
   /// number of vertices so far.
   Index size() const { return static_cast<Index>(vertices_.size()); }
 
-  /// number of equations that the vertices so far give: one each, or three where their normals are data too.
-  Index equations() const { return equations_per_vertex_ * size(); }
+  /// number of equations that the vertices so far give: one each, or three where their normals are data too, which they
+  /// are not on rims.
+  Index equations() const { return size() + (equations_per_vertex_ - 1) * (size() - rim_vertices_); }
 
   /// whether the stencil holds a vertex on the rim of its surface region (on a critical edge or border): it sees the
   /// surface on one side only.

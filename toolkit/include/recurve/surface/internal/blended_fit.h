@@ -40,6 +40,7 @@ public:
           residuals_[i][j] = residual(*fits_[i], fits_[j]->origin);
           longest_side_ = std::max(longest_side_, length(subtract(fits_[j]->origin, fits_[i]->origin)));
         }
+    weigh_stories();
   }
 
   bool is_flat() const { return is_flat_; }
@@ -49,25 +50,17 @@ public:
   {
     if (is_flat_)
       return {0, 0, 0};
-    Point direction = {0, 0, 0};
-    for (int i = 0; i < count_; ++i)
-      direction = add(direction, scaled(weights[static_cast<std::size_t>(i)], direction_at(i)));
-    const double norm = length(direction);
-    if (!(norm > least_direction))
+    Point direction;
+    if (!find_direction(weights, direction))
       return {0, 0, 0};
-    direction = scaled(1 / norm, direction);
-    std::array<double, 4> ways = {};
-    double total = 0;
+    double total = 0, sum = 0;
     for (int i = 0; i < count_; ++i)
       if (counts(i, weights))
       {
-        total += weights[static_cast<std::size_t>(i)];
-        ways[i] = corrected_way(i, x, direction, weights);
+        const double weight = weights[static_cast<std::size_t>(i)];
+        total += weight;
+        sum += weight * belief_[static_cast<std::size_t>(i)] * corrected_way(i, x, direction, weights);
       }
-    limit(ways, weights);
-    double sum = 0;
-    for (int i = 0; i < count_; ++i)
-      sum += counts(i, weights) ? weights[static_cast<std::size_t>(i)] * ways[i] : 0;
     const bool is_sane = total > 0 && std::abs(sum) <= largest_way * total * longest_side_;
     return scaled(is_sane ? sum / total : 0, direction);
   }
@@ -83,24 +76,53 @@ private:
     return fits_[corner]->state != Vertex_fit_state::none && weights[static_cast<std::size_t>(corner)] > 0;
   }
 
-  /// Where the fits tell different stories, by a good part of the bend, the least of them is believed: none displaces
-  /// more than `largest_ratio` times as far, and where they do not agree on the side the surface stays straight. (A fit
-  /// that failed tells no story.) So a rounded edge does not bulge into the plane beside it.
-  void limit(std::array<double, 4>& ways, std::span<const double> weights) const
+  /// the mean of the normals. \return whether it says anything.
+  bool find_direction(std::span<const double> weights, Point& direction) const
   {
-    double low = std::numeric_limits<double>::infinity(), high = -low, bend = 0;
+    direction = {0, 0, 0};
     for (int i = 0; i < count_; ++i)
-      if (counts(i, weights) && fits_[i]->state != Vertex_fit_state::flat)
-      {
-        low = std::min(low, ways[i]);
-        high = std::max(high, ways[i]);
-        bend = std::max(bend, middle_bend(*fits_[i]));
-      }
+      direction = add(direction, scaled(weights[static_cast<std::size_t>(i)], direction_at(i)));
+    const double norm = length(direction);
+    if (!(norm > least_direction))
+      return false;
+    direction = scaled(1 / norm, direction);
+    return true;
+  }
+
+  /// Where the fits tell different stories of the middle, by a good part of the bend, the least of them is believed:
+  /// none displaces it more than `largest_ratio` times as far, and where they do not agree on the side the surface
+  /// stays straight. (A fit that failed tells no story.) So a rounded edge does not bulge into the plane beside it.
+  /// What is believed of a fit in the middle is believed of it everywhere, so that an edge stays smooth.
+  void weigh_stories()
+  {
+    std::array<double, 4> weights = {}, ways = {};
+    Point middle = {0, 0, 0};
+    for (int i = 0; i < count_; ++i)
+    {
+      weights[static_cast<std::size_t>(i)] = 1.0 / count_;
+      middle = add(middle, scaled(1.0 / count_, subtract(fits_[i]->origin, fits_[0]->origin)));
+    }
+    Point direction;
+    if (!find_direction(weights, direction))
+      return;
+    double low = std::numeric_limits<double>::infinity(), high = -low, bend = 0;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count_); ++i)
+    {
+      if (fits_[i]->state == Vertex_fit_state::none)
+        continue;
+      ways[i] = corrected_way(static_cast<int>(i), add(fits_[0]->origin, middle), direction, weights);
+      if (fits_[i]->state == Vertex_fit_state::flat)
+        continue;
+      low = std::min(low, ways[i]);
+      high = std::max(high, ways[i]);
+      bend = std::max(bend, middle_bend(*fits_[i]));
+    }
     if (!(high - low > harmless_part * bend))
       return;
-    const double least = low * high <= 0 ? 0 : std::min(std::abs(low), std::abs(high));
-    for (double& way : ways)
-      way = std::clamp(way, -largest_ratio * least, largest_ratio * least);
+    const double most = low * high <= 0 ? 0 : largest_ratio * std::min(std::abs(low), std::abs(high));
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count_); ++i)
+      if (std::abs(ways[i]) > most)
+        belief_[i] = most / std::abs(ways[i]);
   }
 
   /// how far the terms of second degree bend the middle of an edge to a neighbour.
@@ -143,6 +165,7 @@ private:
   bool is_flat_ = true;
   double longest_side_ = 0; ///< or diagonal
   std::array<const Vertex_fit*, 4> fits_ = {};
+  std::array<double, 4> belief_ = {1, 1, 1, 1}; ///< in the displacements by each fit, 0 to 1
   std::array<std::array<double, 4>, 4> residuals_ =
     {}; ///< [i][j]: from corner j to the surface of fit i, along its normal
 };

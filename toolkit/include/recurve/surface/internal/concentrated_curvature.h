@@ -14,20 +14,35 @@ namespace recurve::internal::surface {
 /// whose half-angle is 72 degrees. A tip blunter than that bends no edge by a tenth of its length.
 inline constexpr double least_tip_defect = 0.3;
 
-/// So many times the defect of any neighbour. On a smooth surface the defect is the area times the curvature, which
-/// differ little from a vertex to the next; however coarse, no vertex stands out.
+/// So many times that of any neighbour, both per area: on a smooth surface it is the Gaussian curvature, which differs
+/// little from a vertex to the next.
 inline constexpr double least_tip_contrast = 4;
 
-/// 2 pi less the angles of the faces around `vertex`, which is not on a rim.
-inline double angle_defect(const Surface_arrays& surface, Index vertex)
+/// The curvature that faces around a vertex have in it.
+struct Angle_defect
 {
-  double defect = 2 * std::numbers::pi;
+  double angle = 0; ///< 2 pi less the angles of the faces
+  double area = 0;  ///< of the triangles of their corners
+
+  /// whether it is so many times that of `other`, per area.
+  bool stands_out(const Angle_defect& other) const
+  {
+    return least_tip_contrast * std::abs(other.angle) * area < std::abs(angle) * other.area;
+  }
+};
+
+/// \pre `vertex` is not on a rim.
+inline Angle_defect angle_defect(const Surface_arrays& surface, Index vertex)
+{
+  Angle_defect defect = {.angle = 2 * std::numbers::pi};
   for (const Index corner : surface.corners_of_vertex(vertex))
   {
     const Point& apex = surface.points[vertex];
     const Point a = subtract(surface.points[surface.corner_vertices[surface.next_corner(corner)]], apex);
     const Point b = subtract(surface.points[surface.corner_vertices[surface.previous_corner(corner)]], apex);
-    defect -= std::atan2(length(cross(a, b)), dot(a, b));
+    const double twice_area = length(cross(a, b));
+    defect.angle -= std::atan2(twice_area, dot(a, b));
+    defect.area += 0.5 * twice_area;
   }
   return defect;
 }
@@ -48,12 +63,12 @@ inline bool has_concentrated_curvature(const Surface_arrays& surface, Index vert
 {
   if (surface.is_rim[vertex] || is_nearly_flat(surface, vertex))
     return false;
-  const double defect = std::abs(angle_defect(surface, vertex));
-  if (!(defect > least_tip_defect))
+  const Angle_defect defect = angle_defect(surface, vertex);
+  if (!(std::abs(defect.angle) > least_tip_defect))
     return false;
   const auto neighbors = surface.neighbors_of(vertex);
   return std::all_of(neighbors.begin(), neighbors.end(), [&](Index neighbor) {
-    return !surface.is_rim[neighbor] && least_tip_contrast * std::abs(angle_defect(surface, neighbor)) < defect;
+    return !surface.is_rim[neighbor] && defect.stands_out(angle_defect(surface, neighbor));
   });
 }
 

@@ -4,6 +4,7 @@
 #include <recurve/surface/local_fit.h>
 #include <recurve/surface/weighted_points.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -199,6 +200,7 @@ void solve_degree(const Weighted_points& points, double relative_bound, std::spa
 inline void solve_by_conjugate_residual(const Weighted_points& points, int degree, double relative_bound,
                                         std::span<double> coefficients)
 {
+  static_assert(max_vertex_fit_degree == 12);
   switch (degree)
   {
   case 1: return solve_degree<1>(points, relative_bound, coefficients);
@@ -211,7 +213,9 @@ inline void solve_by_conjugate_residual(const Weighted_points& points, int degre
   case 8: return solve_degree<8>(points, relative_bound, coefficients);
   case 9: return solve_degree<9>(points, relative_bound, coefficients);
   case 10: return solve_degree<10>(points, relative_bound, coefficients);
-  default: return;
+  case 11: return solve_degree<11>(points, relative_bound, coefficients);
+  case 12: return solve_degree<12>(points, relative_bound, coefficients);
+  default: std::fill(coefficients.begin(), coefficients.end(), std::numeric_limits<double>::quiet_NaN());
   }
 }
 

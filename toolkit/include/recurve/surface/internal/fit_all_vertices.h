@@ -32,7 +32,7 @@ public:
     : surface_(surface), bounds_(bounds),
       fitters_([&surface, &policies, bounds] { return Vertex_fitter<Policies>(surface, policies, bounds); }),
       fits_(surface.points.size()), stencil_sizes_(surface.points.size(), 0),
-      reasons_(surface.points.size(), Lowering_reason::not_finite), displacements_(surface.neighbors.size(), 0.0)
+      reasons_(surface.points.size(), Lowering_reason::undetermined), displacements_(surface.neighbors.size(), 0.0)
   {}
 
   void run(const Progress_callback& progress, std::string_view stage)
@@ -75,8 +75,8 @@ private:
     for_each(vertices, [this](Index v, std::size_t) {
       const Vertex_result result = fitters_.local().fit(v, degrees_[v], fits_[v]);
       stencil_sizes_[v] = static_cast<std::int32_t>(result.stencil_size);
-      if (degrees_[v] >= bounds_.degree)
-        reasons_[v] = result.reason; // the reason of the first lowering stands
+      if (degrees_[v] >= bounds_.degree && result.reason)
+        reasons_[v] = *result.reason; // the reason of the first lowering stands
       set_displacements(v);
     });
   }

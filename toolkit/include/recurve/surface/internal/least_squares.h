@@ -12,7 +12,9 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -46,6 +48,7 @@ public:
   int columns() const { return columns_; }
   int stride() const { return stride_; }                       ///< between columns, even
   int first_coefficient() const { return first_coefficient_; } ///< coefficient of column 0
+  std::uint64_t number() const { return number_; }             ///< of calls of set()
   double* column(int c) { return values_.data() + static_cast<std::size_t>(c) * static_cast<std::size_t>(stride_); }
   double* rhs() { return column(columns_); }
   double* spare() { return column(columns_ + 1); } ///< as long as a column
@@ -61,6 +64,7 @@ private:
   int stride_ = 0;
   int columns_ = 0;
   int first_coefficient_ = 0;
+  std::uint64_t number_ = 0;
   std::vector<double> values_;
   std::array<double, max_columns> lengths_;
 };
@@ -84,6 +88,7 @@ inline double dot_product(const double* a, const double* b, int count)
 
 inline void Weighted_equations::set(const Weighted_points& points, int degree)
 {
+  ++number_;
   rows_ = static_cast<int>(points.size() + 2 * points.slopes.size());
   first_coefficient_ = points.is_through_origin ? 1 : 0;
   columns_ = coefficient_count(degree) - first_coefficient_;
@@ -251,6 +256,8 @@ inline void substitute_back(Weighted_equations& equations, const Triangle& trian
 struct Last_triangle
 {
   Triangle triangle;
+  std::uint64_t equations = 0; ///< Weighted_equations::number()
+  int degree = 0;
   std::array<double, max_columns> rhs; ///< as long as the triangle
 };
 
@@ -270,17 +277,23 @@ inline void solve_by_graded_qr(const Weighted_points& points, int degree, double
   for (int d = ordinary_degree; d < degree; ++d)
     least_independence *= easing_per_degree;
   last.triangle = triangulate(equations, least_independence);
+  last.equations = equations.number();
+  last.degree = degree;
   std::copy_n(equations.rhs(), last.triangle.size, last.rhs.begin());
   substitute_back(equations, last.triangle, coefficients);
 }
 
-/// the solution of the equations that this thread solved last, for a lower degree. Columns come by degree: what is left
-/// of the triangle is that of the lower degree.
+/// the solution of the equations that this thread solved last by `solve_by_graded_qr()`, for a lower degree. Columns
+/// come by degree: what is left of the triangle is that of the lower degree, with the terms that were told apart then.
+/// Not a number if there are no such equations.
 inline void solve_last_for_lower_degree(int degree, std::span<double> coefficients)
 {
-  std::fill(coefficients.begin(), coefficients.end(), 0.0);
   Weighted_equations& equations = equations_of_thread();
   const Last_triangle& last = last_triangle_of_thread();
+  const bool is_known = last.equations == equations.number() && degree <= last.degree;
+  std::fill(coefficients.begin(), coefficients.end(), is_known ? 0 : std::numeric_limits<double>::quiet_NaN());
+  if (!is_known)
+    return;
   Triangle triangle = last.triangle;
   const int columns = coefficient_count(degree) - equations.first_coefficient();
   while (triangle.size > 0 && triangle.columns[static_cast<std::size_t>(triangle.size) - 1] >= columns)

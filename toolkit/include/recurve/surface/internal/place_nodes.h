@@ -1,7 +1,7 @@
 #ifndef RECURVE_SURFACE_INTERNAL_PLACE_NODES_H
 #define RECURVE_SURFACE_INTERNAL_PLACE_NODES_H
 
-#include <recurve/elements/internal/blend_weights.h>
+#include <recurve/elements/blend_weights.h>
 #include <recurve/features/feature_curves.h>
 #include <recurve/surface/internal/face_normal.h>
 #include <recurve/surface/internal/straight_nodes.h>
@@ -195,9 +195,9 @@ public:
       longest = std::max(longest, length(subtract(corners[(i + 1) % corner_count], corners[i])));
       magnitude = std::max(magnitude, largest_coordinate(corners[i]));
     }
-    Edge_displacements edges;
-    const bool is_blended = gather_edges(f, edges);
     const typename boost::property_traits<FaceFitMap>::value_type& fit = get(fits_, f);
+    Edge_displacements edges;
+    const bool is_blended = gather_edges(f, is_flat(fit), edges);
     nodes.clear();
     for (const Lattice_node lattice : interior_lattice(corner_count, degree_))
     {
@@ -268,12 +268,23 @@ private:
       return fit.displacement(x);
   }
 
-  /// gathers the displacements of the edges of `f` if one of them moves along a spline. \return whether one does.
-  bool gather_edges(face_descriptor f, Edge_displacements& edges) const
+  /// whether a blend of vertex fits is flat; edges of the face may bend all the same.
+  template <class Fit>
+  static bool is_flat([[maybe_unused]] const Fit& fit)
+  {
+    if constexpr (is_blended_fit)
+      return fit.is_flat();
+    else
+      return false;
+  }
+
+  /// gathers the displacements of the edges of `f` if one of them moves along a spline, or `takes_all`.
+  /// \return whether one such edge moves.
+  bool gather_edges(face_descriptor f, bool takes_all, Edge_displacements& edges) const
   {
     const auto around = CGAL::halfedges_around_face(halfedge(f, *g_), *g_);
-    const auto is_on_curve = [this](halfedge_descriptor h) { return curves_->is_on_curve(edge(h, *g_)); };
-    if (std::none_of(around.begin(), around.end(), is_on_curve))
+    const auto is_taken = [&](halfedge_descriptor h) { return takes_all || curves_->is_on_curve(edge(h, *g_)); };
+    if (std::none_of(around.begin(), around.end(), is_taken))
       return false;
     bool is_moved = false;
     int side = 0;
@@ -285,7 +296,7 @@ private:
       for (int k = 1; k < degree_; ++k)
       {
         edges[side][k] = nodes[k - 1].displacement;
-        is_moved = is_moved || (is_on_curve(h) && !is_zero(edges[side][k]));
+        is_moved = is_moved || (is_taken(h) && !is_zero(edges[side][k]));
       }
       ++side;
     }

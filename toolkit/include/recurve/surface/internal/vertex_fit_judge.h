@@ -16,10 +16,10 @@ namespace recurve::internal::surface {
 /// What the fits of vertices have to keep to; see `Vertex_fit_options`.
 struct Vertex_fit_bounds
 {
-  int degree = 4;                    ///< of the polynomials
-  int degree_at_rim = 8;             ///< of those whose points are on one side of a rim; at least `degree`
-  double largest_displacement = 0.5; ///< of a mid-edge, in edge lengths
-  double largest_disagreement = 0.5;
+  int degree;                               ///< of the polynomials
+  int degree_at_rim;                        ///< of those whose points are on one side of a rim; at least `degree`
+  double largest_displacement;              ///< of a mid-edge, in edge lengths
+  double largest_disagreement;              ///< see `Vertex_fit_options`
   std::span<const Point> data_normals = {}; ///< per vertex of the surface arrays, zero for none; empty: points alone
 };
 
@@ -169,15 +169,20 @@ private:
   /// `fit`.
   bool is_resolved(int degree, const Vertex_fit& fit) const
   {
-    Vertex_fit lower = fit;
-    if (degree < 3 || !solver_.solve_lower(degree - 2, lower))
+    Vertex_fit lower;
+    if (degree <= bounds_.degree)
+    {
+      if (!solve_next_lower(degree, fit, lower))
+        return false;
+      const Change last = change(lower, fit);
+      return last.largest <= resolved_change * last.bend;
+    }
+    lower = fit;
+    Vertex_fit lowest = fit;
+    if (degree < 5 || !solver_.solve_lower(degree - 2, lower) || !solver_.solve_lower(degree - 4, lowest) ||
+        (has_missing_terms(fit, degree) && agree(fit, lower)))
       return false;
     const Change last = change(lower, fit);
-    if (degree <= bounds_.degree)
-      return last.largest <= resolved_change * last.bend;
-    Vertex_fit lowest = fit;
-    if (degree < 5 || !solver_.solve_lower(degree - 4, lowest) || (has_missing_terms(fit, degree) && agree(fit, lower)))
-      return false;
     const double before = change(lowest, lower).largest;
     const bool is_growing = last.largest > largest_growth * before && last.largest > harmless_change * last.bend;
     return !is_growing && last.largest <= resolved_change_raised * last.bend &&
@@ -204,7 +209,7 @@ private:
   /// whether two fits displace all edges alike, to round-off.
   bool agree(const Vertex_fit& a, const Vertex_fit& b) const
   {
-    constexpr double round_off = 1e-9;
+    constexpr double round_off = 1e-9; // of edges: far above that of the solver, far below any shape
     return std::all_of(neighbors_.begin(), neighbors_.end(), [&](Index neighbor) {
       const Point& end = surface_.points[neighbor];
       const double of_a = middle_displacement(a, end), of_b = middle_displacement(b, end);

@@ -17,6 +17,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -29,7 +30,7 @@ inline constexpr int degrees_more_near_rim = 2;
 struct Vertex_result
 {
   Index stencil_size = 0;
-  Lowering_reason reason = Lowering_reason::not_finite; ///< meaningful where the degree is not the one asked for
+  std::optional<Lowering_reason> reason; ///< of the first lowering below the degree that is wanted off rims
 };
 
 /// Spread of the neighbours of a vertex, the smaller over the larger, below which they count as a line.
@@ -54,9 +55,8 @@ public:
   /// bounds' degree only where the stencil touches a rim.
   Vertex_result fit(Index vertex, int degree, Vertex_fit& fit)
   {
-    Vertex_result result;
-    result.reason = Lowering_reason::no_normal;
-    if (fit.degree > 0)
+    Vertex_result result = {.reason = Lowering_reason::no_normal};
+    if (fit.degree > 0) // it is clear at first
       fit = {};
     fit.origin = surface_->points[vertex];
     if (surface_->is_tip[vertex] || has_concentrated_curvature(*surface_, vertex) ||
@@ -65,6 +65,7 @@ public:
     fit.state = Vertex_fit_state::planar;
     if (is_in_planar_part(vertex, fit))
       return result;
+    result.reason.reset();
     const Estimated_bend bend = estimated_bend(*surface_, vertex);
     const int first = gather_first(vertex, fit, degree);
     for (int d = first; d > 0; d = (d - 1) / 2 * 2)
@@ -73,17 +74,17 @@ public:
         gather_points(vertex, fit, d);
       if (is_planar_)
       {
-        fit = straight(fit, Vertex_fit_state::planar);
+        fit = straight(fit, has_faces_in_plane(vertex, fit) ? Vertex_fit_state::planar : Vertex_fit_state::flat);
         return result;
       }
       result.stencil_size = builder_.size();
       Fit_verdict verdict = {Lowering_reason::not_finite, false};
       if (solver_.solve(d, fit))
         verdict = Vertex_fit_judge(*surface_, bounds_, solver_, bend, vertex).judge(d, fit);
-      if (d == first && !(verdict.is_good && fit.degree == first))
-        result.reason = verdict.reason; // the reason of the first lowering stands
       if (verdict.is_good)
         return result;
+      if (d <= bounds_.degree && !result.reason)
+        result.reason = verdict.reason;
     }
     fit = straight(fit, Vertex_fit_state::flat);
     return result;

@@ -3,10 +3,10 @@
 
 #include <recurve/core/exceptions.h>
 #include <recurve/core/types.h>
+#include <recurve/elements/blend_weights.h>
 #include <recurve/elements/element.h>
 #include <recurve/elements/node_layout.h>
 #include <recurve/volume/element_block.h>
-#include <recurve/elements/internal/blend_weights.h>
 #include <recurve/volume/internal/point_access.h>
 #include <recurve/volume/node_state.h>
 

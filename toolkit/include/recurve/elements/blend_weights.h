@@ -1,5 +1,5 @@
-#ifndef RECURVE_ELEMENTS_INTERNAL_BLEND_WEIGHTS_H
-#define RECURVE_ELEMENTS_INTERNAL_BLEND_WEIGHTS_H
+#ifndef RECURVE_ELEMENTS_BLEND_WEIGHTS_H
+#define RECURVE_ELEMENTS_BLEND_WEIGHTS_H
 
 #include <recurve/elements/element.h>
 #include <recurve/elements/node_layout.h>
@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-namespace recurve::internal {
+namespace recurve {
 
 /// A matrix that says how each of a few nodes follows from others: row r holds its non-zero entries.
 struct Weight_rows
@@ -405,6 +405,6 @@ inline void Blend_weights::fill_blend()
   }
 }
 
-} // namespace recurve::internal
+} // namespace recurve
 
 #endif
