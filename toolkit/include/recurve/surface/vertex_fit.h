@@ -4,6 +4,7 @@
 #include <recurve/core/types.h>
 #include <recurve/surface/local_fit.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>

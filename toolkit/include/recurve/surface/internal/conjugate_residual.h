@@ -2,6 +2,7 @@
 #define RECURVE_SURFACE_INTERNAL_CONJUGATE_RESIDUAL_H
 
 #include <recurve/surface/local_fit.h>
+#include <recurve/surface/vertex_fit.h>
 #include <recurve/surface/weighted_points.h>
 
 #include <algorithm>
