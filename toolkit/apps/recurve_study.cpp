@@ -167,6 +167,7 @@ void run(const std::string& file, int sizes)
   for (const Mesh_family& family : families())
   {
     std::vector<recurve::Volume_mesh> meshes;
+    meshes.reserve(static_cast<std::size_t>(sizes));
     for (int size = 0; size < sizes; ++size)
       meshes.push_back(family.mesh(size));
     for (const recurve::Fit_preset preset : {recurve::Fit_preset::paper, recurve::Fit_preset::standard})
