@@ -238,6 +238,20 @@ double dot(const Point& a, const Point& b)
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+/// the corners of a face and its other nodes in canonical order.
+std::vector<Point> all_nodes(const Mesh& mesh, const Surface_nodes<Mesh>& nodes, Mesh::Face_index f)
+{
+  std::vector<Point> points;
+  for (const auto h : mesh.halfedges_around_face(mesh.halfedge(f)))
+    points.push_back(to_point(mesh.point(mesh.source(h))));
+  for (const auto h : mesh.halfedges_around_face(mesh.halfedge(f)))
+    for (int k = 1; k < nodes.degree(); ++k)
+      points.push_back(to_point(nodes.edge_node(h, k)));
+  for (int m = 0; m < nodes.face_node_count(f); ++m)
+    points.push_back(to_point(nodes.face_node(f, m)));
+  return points;
+}
+
 Face_errors measure(const Mesh& mesh, const Surface_nodes<Mesh>& nodes, const Implicit& implicit)
 {
   Face_errors errors;
@@ -248,14 +262,7 @@ Face_errors measure(const Mesh& mesh, const Surface_nodes<Mesh>& nodes, const Im
     const Element_type type = is_triangle ? Element_type::triangle : Element_type::quadrangle;
     static const std::array<Samples, 2> tables = {Samples(true), Samples(false)};
     const Samples& samples = tables[is_triangle ? 0 : 1];
-    std::vector<Point> points;
-    for (const auto h : mesh.halfedges_around_face(mesh.halfedge(f)))
-      points.push_back(to_point(mesh.point(mesh.source(h))));
-    for (const auto h : mesh.halfedges_around_face(mesh.halfedge(f)))
-      for (int k = 1; k < nodes.degree(); ++k)
-        points.push_back(to_point(nodes.edge_node(h, k)));
-    for (int m = 0; m < nodes.face_node_count(f); ++m)
-      points.push_back(to_point(nodes.face_node(f, m)));
+    const std::vector<Point> points = all_nodes(mesh, nodes, f);
     std::vector<double> values(points.size());
     std::vector<std::array<double, 3>> slopes(points.size());
     for (std::size_t q = 0; q < samples.points.size(); ++q)
@@ -490,20 +497,6 @@ std::vector<int> rings_from_border(const Mesh& mesh)
     for (const auto v : mesh.vertices_around_target(mesh.halfedge(queue[i])))
       visit(v, ring[queue[i]] + 1);
   return ring;
-}
-
-/// the corners of a face and its other nodes in canonical order.
-std::vector<Point> all_nodes(const Mesh& mesh, const Surface_nodes<Mesh>& nodes, Mesh::Face_index f)
-{
-  std::vector<Point> points;
-  for (const auto h : mesh.halfedges_around_face(mesh.halfedge(f)))
-    points.push_back(to_point(mesh.point(mesh.source(h))));
-  for (const auto h : mesh.halfedges_around_face(mesh.halfedge(f)))
-    for (int k = 1; k < nodes.degree(); ++k)
-      points.push_back(to_point(nodes.edge_node(h, k)));
-  for (int m = 0; m < nodes.face_node_count(f); ++m)
-    points.push_back(to_point(nodes.face_node(f, m)));
-  return points;
 }
 
 /// the largest distance of a face at its nodes, or else at 66 points or more.
