@@ -33,6 +33,8 @@ struct Ridge_regression
       for (int p = 0; p <= degree; ++p)
         for (int k = 0; k <= p; ++k)
           terms[recurve::coefficient_number(p - k, k)] = std::pow(points.u[i], p - k) * std::pow(points.v[i], k);
+      if (points.is_through_origin) // as fits of vertices are: no constant term
+        terms[0] = 0;
       matrix += points.weight[i] * terms * terms.transpose();
       rhs += points.weight[i] * points.height[i] * terms;
     }
