@@ -74,6 +74,18 @@ public:
     vertices_.resize(std::min(half_ring_first_, vertices_.size()));
   }
 
+  /// takes back all but the first `count` of `vertices()`, which may have been put in another order. No ring can be
+  /// added after that.
+  void keep_first(Index count)
+  {
+    for (std::size_t i = static_cast<std::size_t>(count); i < vertices_.size(); ++i)
+    {
+      marks_[vertices_[i]] = 0;
+      rim_vertices_ -= surface_->is_rim[vertices_[i]];
+    }
+    vertices_.resize(std::min(static_cast<std::size_t>(count), vertices_.size()));
+  }
+
   /// starts anew with the corners of `face`. Called by `reconstruct_surface()` before the policy.
   void start(Index face)
   {

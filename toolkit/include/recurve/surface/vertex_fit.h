@@ -23,20 +23,21 @@ enum class Vertex_fit_state : std::uint8_t
   curved
 };
 
-/// Polynomial height function around one vertex of a surface region, over the plane across the vertex's normal. It goes
-/// through the vertex.
+/// Polynomial height function around one vertex of a surface region, over the plane across a normal. It goes through
+/// the vertex.
 ///
 /// The surface near the vertex is the set of points x with w = height(s, t), where s = (x - origin) . s_axis, t = (x -
 /// origin) . t_axis and w = (x - origin) . n. The axes span the tangent plane; they measure the neighbours of the
 /// vertex, so that s and t of these are about 1 however long and thin the faces are. A value without heap memory.
 struct Vertex_fit
 {
-  Point origin = {};        ///< the vertex
-  Point n = {0, 0, 1};      ///< unit normal of the plane
-  Point s_axis = {1, 0, 0}; ///< across n, one over a length
-  Point t_axis = {0, 1, 0}; ///< across n and s_axis, one over a length
-  double size = 1;          ///< unit of the heights and mean distance of the neighbours, a length > 0
-  std::int32_t degree = 0;  ///< 0 to max_vertex_fit_degree
+  Point origin = {};               ///< the vertex
+  Point n = {0, 0, 1};             ///< unit normal of the plane; at a rim that of the points, which all lie on one side
+  Point s_axis = {1, 0, 0};        ///< across n, one over a length
+  Point t_axis = {0, 1, 0};        ///< across n and s_axis, one over a length
+  Point vertex_normal = {0, 0, 1}; ///< unit normal of the straight-sided mesh at the vertex; nodes are moved along it
+  double size = 1;                 ///< unit of the heights and mean distance of the neighbours, a length > 0
+  std::int32_t degree = 0;         ///< 0 to max_vertex_fit_degree
   Vertex_fit_state state = Vertex_fit_state::none;
   std::array<double, static_cast<std::size_t>(coefficient_count(max_vertex_fit_degree))> coefficients =
     {}; ///< of s^j t^k at coefficient_number(j, k), in units of `size`; [0] is 0

@@ -132,7 +132,7 @@ private:
     return fit.size * (std::abs(c[3]) + std::abs(c[4]) + std::abs(c[5])) / 4;
   }
 
-  Point direction_at(int corner) const { return fits_[corner]->n; }
+  Point direction_at(int corner) const { return fits_[corner]->vertex_normal; }
 
   /// from `x` to the surface of the fit of `corner`; 0 for a fit that is not curved.
   double way(int corner, const Point& x, const Point& direction) const
@@ -158,7 +158,7 @@ private:
     double shift = 0;
     for (int j = 0; j < count_; ++j)
       shift += weights[static_cast<std::size_t>(j)] * residuals_[corner][j];
-    return way(corner, add(x, scaled(shift, direction_at(corner))), direction);
+    return way(corner, add(x, scaled(shift, fits_[corner]->n)), direction);
   }
 
   int count_ = 0;

@@ -10,12 +10,13 @@
 
 namespace recurve::internal::surface {
 
-/// how far `fit` moves the middle of the straight edge from its vertex to `end`, along its normal, when it is corrected
-/// linearly so as to go through `end`.
+/// how far `fit` moves the middle of the straight edge from its vertex to `end`, along the normal of its vertex, when
+/// corrected linearly so as to go through `end`.
 inline double middle_displacement(const Vertex_fit& fit, const Point& end)
 {
   const Point local = fit.local_coordinates(end);
-  return fit.height(0.5 * local[0], 0.5 * local[1]) - 0.5 * fit.height(local[0], local[1]);
+  const double height = fit.height(0.5 * local[0], 0.5 * local[1]) - 0.5 * fit.height(local[0], local[1]);
+  return dot(fit.n, fit.vertex_normal) * height;
 }
 
 /// the same as the normals of the two vertices tell it: that of the cubic curve across both normals. It is crude (half

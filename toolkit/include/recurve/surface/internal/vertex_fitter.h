@@ -5,6 +5,7 @@
 #include <recurve/surface/internal/edge_displacement.h>
 #include <recurve/surface/internal/face_normal.h>
 #include <recurve/surface/internal/fit_points.h>
+#include <recurve/surface/internal/one_sided_distance.h>
 #include <recurve/surface/internal/surface_arrays.h>
 #include <recurve/surface/internal/vector_3.h>
 #include <recurve/surface/internal/vertex_fit_judge.h>
@@ -19,6 +20,7 @@
 #include <cmath>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace recurve::internal::surface {
@@ -59,8 +61,9 @@ public:
     if (fit.degree > 0) // it is clear at first
       fit = {};
     fit.origin = surface_->points[vertex];
+    fit.vertex_normal = surface_->normals[vertex];
     if (surface_->is_tip[vertex] || has_concentrated_curvature(*surface_, vertex) ||
-        surface_->normals[vertex] == Point{0, 0, 0} || !set_axes(vertex, fit))
+        fit.vertex_normal == Point{0, 0, 0} || !set_axes(vertex, fit.vertex_normal, fit))
       return result;
     fit.state = Vertex_fit_state::planar;
     if (is_in_planar_part(vertex, fit))
@@ -98,15 +101,16 @@ private:
             .n = fit.n,
             .s_axis = fit.s_axis,
             .t_axis = fit.t_axis,
+            .vertex_normal = fit.vertex_normal,
             .size = fit.size,
             .degree = 0,
             .state = state};
   }
 
-  /// sets the frame. \return whether the neighbours span a plane.
-  bool set_axes(Index vertex, Vertex_fit& fit)
+  /// sets the frame over the plane across `n`. \return whether the neighbours span a plane.
+  bool set_axes(Index vertex, const Point& n, Vertex_fit& fit)
   {
-    const Point& n = fit.n = surface_->normals[vertex];
+    fit.n = n;
     const Point across = std::abs(n[0]) < 0.6 ? Point{1, 0, 0} : Point{0, 1, 0};
     const Point u = normalized(subtract(across, scaled(dot(across, n), n)));
     const Point v = cross(n, u);
@@ -173,7 +177,7 @@ private:
   }
 
   /// gathers the points of the first fit. \return its degree.
-  int gather_first(Index vertex, const Vertex_fit& frame, int degree)
+  int gather_first(Index vertex, Vertex_fit& frame, int degree)
   {
     const int inside = std::min(degree, bounds_.degree);
     gather_points(vertex, frame, inside);
@@ -195,11 +199,16 @@ private:
            std::any_of(neighbors.begin(), neighbors.end(), [this](Index v) { return surface_->is_rim[v] != 0; });
   }
 
-  /// sets the weighted points of the stencil and is_planar_.
-  void gather_points(Index vertex, const Vertex_fit& frame, int degree)
+  /// sets the frame, the weighted points of the stencil and is_planar_.
+  void gather_points(Index vertex, Vertex_fit& frame, int degree)
   {
+    if (frame.n != frame.vertex_normal)
+      set_axes(vertex, frame.vertex_normal, frame);
     builder_.start_at_vertex(vertex);
     policies_->stencil(builder_, degree);
+    distance_ = {};
+    if (degree > bounds_.degree)
+      reach_inwards(vertex, frame);
     const std::span<Index> vertices = builder_.vertices();
     if (has_twins_)
       std::sort(vertices.begin(), vertices.end());
@@ -213,14 +222,39 @@ private:
         add_point(vertices[i], frame, degree);
   }
 
+  /// for a fit whose points lie on one side: takes points farther from the rim in exchange for those farthest along
+  /// it, and puts the plane across the mean of their normals, since over that of the vertex, at their edge, they may
+  /// be steep.
+  void reach_inwards(Index vertex, Vertex_fit& frame)
+  {
+    const Index count = builder_.size();
+    for (Index before = 0; before < builder_.size() && builder_.size() < 2 * count;)
+    {
+      before = builder_.size();
+      builder_.add_ring();
+    }
+    distance_ = one_sided_distance(*surface_, builder_.vertices(), frame);
+    order_.clear();
+    for (const Index v : builder_.vertices())
+      order_.emplace_back(distance_(frame.local_coordinates(surface_->points[v])), v);
+    std::sort(order_.begin(), order_.end());
+    std::transform(order_.begin(), order_.end(), builder_.vertices().begin(), [](const auto& at) { return at.second; });
+    builder_.keep_first(count);
+    Point normal = {0, 0, 0};
+    for (const Index v : builder_.vertices())
+      normal = add(normal, surface_->normals[v]);
+    if (!set_axes(vertex, normalized(normal), frame))
+      set_axes(vertex, frame.vertex_normal, frame);
+    distance_ = one_sided_distance(*surface_, builder_.vertices(), frame);
+  }
+
   void add_point(Index vertex, const Vertex_fit& frame, int degree)
   {
     const Point& x = surface_->points[vertex];
     const Point way = subtract(x, frame.origin);
     const Point local = frame.local_direction(way);
     const double height = local[2] / frame.size;
-    const double weight =
-      weight_of(std::sqrt(local[0] * local[0] + local[1] * local[1]), dot(surface_->normals[vertex], frame.n), degree);
+    const double weight = weight_of(distance_(local), dot(surface_->normals[vertex], frame.n), degree);
     if (!(weight > 0) || !std::isfinite(weight))
       return;
     solver_.points().add(local[0], local[1], height, weight);
@@ -256,6 +290,8 @@ private:
   Vertex_fit_bounds bounds_;
   bool has_twins_; ///< some vertices are on several regions
   bool is_planar_ = false;
+  One_sided_distance distance_;                 ///< of the points that were gathered last
+  std::vector<std::pair<double, Index>> order_; ///< scratch: distance, vertex
   double slope_noise_ = 0; ///< tilt of the normal by the resolution of the points, per unit of that resolution
   std::span<const Point> data_normals_; ///< per vertex; zero: none. Empty: points alone are data
 };
