@@ -7,8 +7,11 @@
 #include <catch2/catch.hpp>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
+#include <utility>
 
 using namespace recurve;
 using namespace test_surfaces;
@@ -586,4 +589,37 @@ TEST_CASE("curvatures of vertex fits", "[fit_vertices]")
     const Point n = fit.normal(0, 0);
     CHECK(norm({n[0] - fit.origin[0], n[1] - fit.origin[1], n[2] - fit.origin[2]}) < 1e-5);
   }
+}
+
+TEST_CASE("copies of fits outlive what they were copied from", "[fit_vertices]")
+{
+  const auto height = [](double x, double y) { return 0.3 * std::sin(3 * x) * std::cos(2 * y); };
+  const Mesh mesh = make_mesh(grid(26, 26, 1, 1, height));
+  const auto largest_error_of_fits = [&](const Vertex_fits<Mesh>& fits) {
+    double error = 0;
+    for (const Vertex_fit& fit : fits.all())
+    {
+      const double x = fit.origin[0] + (fit.origin[0] < 0.5 ? 0.02 : -0.02), y = fit.origin[1];
+      error = std::max(error, std::abs(fit.way_along({x, y, 0}, {0, 0, 1}) - height(x, y)));
+    }
+    return error;
+  };
+  const auto count_of_highest = [](const Vertex_fits<Mesh>& fits) {
+    return std::count_if(fits.all().begin(), fits.all().end(),
+                         [](const Vertex_fit& fit) { return fit.degree == max_vertex_fit_degree; });
+  };
+  std::optional<Vertex_fits<Mesh>> original(fit_vertices(mesh, {.degree = 4}));
+  for (const Vertex_fit& fit : original->all())
+    REQUIRE(fit.coefficients.size() == static_cast<std::size_t>(coefficient_count(fit.degree)));
+  CHECK(largest_error_of_fits(*original) < 1e-6);
+  CHECK(count_of_highest(*original) > 0); // at the border
+  Vertex_fits<Mesh> copy = *original;
+  original.reset();
+  original.emplace(fit_vertices(mesh, {.degree = 1})); // likely where the first ones were
+  CHECK(largest_error_of_fits(copy) < 1e-6);
+  const Vertex_fits<Mesh> moved = std::move(copy);
+  CHECK(largest_error_of_fits(moved) < 1e-6);
+  CHECK(count_of_highest(moved) > 0);
+  copy = moved;
+  CHECK(count_of_highest(copy) == count_of_highest(moved));
 }

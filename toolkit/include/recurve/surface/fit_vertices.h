@@ -129,8 +129,9 @@ Vertex_fits<Graph> fit_vertices(const Graph& g, const Vertex_fit_options& option
   all.run(options.progress, "reconstruct surface");
   if (report)
     *report =
-      s::report_on_faces(surface, all.fits(), all.reasons(), all.stencil_sizes(), options.degree, polynomial_degree);
-  return Vertex_fits<Graph>(g, surface, std::move(all.fits()));
+      s::Face_reporter(surface, *all.fits(), all.reasons(), all.stencil_sizes(), options.degree, polynomial_degree)
+        .report();
+  return Vertex_fits<Graph>(g, surface, all.fits());
 }
 
 } // namespace recurve

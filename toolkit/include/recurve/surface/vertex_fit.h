@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <span>
 
 namespace recurve {
 
@@ -28,9 +30,14 @@ enum class Vertex_fit_state : std::uint8_t
 ///
 /// The surface near the vertex is the set of points x with w = height(s, t), where s = (x - origin) . s_axis, t = (x -
 /// origin) . t_axis and w = (x - origin) . n. The axes span the tangent plane; they measure the neighbours of the
-/// vertex, so that s and t of these are about 1 however long and thin the faces are. A value without heap memory.
+/// vertex, so that s and t of these are about 1 however long and thin the faces are.
+///
+/// A view: the coefficients are kept elsewhere, by the `Vertex_fits` that a fit comes from. A copy is of use as long as
+/// these, or copies of them, are there. `height()` and what builds on it read the coefficients of `degree`.
 struct Vertex_fit
 {
+  static constexpr double no_height = 0; ///< coefficients of degree 0
+
   Point origin = {};               ///< the vertex
   Point n = {0, 0, 1};             ///< unit normal of the plane; at a rim that of the points, which all lie on one side
   Point s_axis = {1, 0, 0};        ///< across n, one over a length
@@ -39,8 +46,8 @@ struct Vertex_fit
   double size = 1;                 ///< unit of the heights and mean distance of the neighbours, a length > 0
   std::int32_t degree = 0;         ///< 0 to max_vertex_fit_degree
   Vertex_fit_state state = Vertex_fit_state::none;
-  std::array<double, static_cast<std::size_t>(coefficient_count(max_vertex_fit_degree))> coefficients =
-    {}; ///< of s^j t^k at coefficient_number(j, k), in units of `size`; [0] is 0
+  std::span<const double> coefficients = {&no_height, 1}; ///< coefficient_count(degree) of them: of s^j t^k at
+                                                          ///< coefficient_number(j, k), in units of `size`; [0] is 0
 
   /// height over the plane and its derivatives by s and t; lengths in the unit of the mesh.
   struct Height

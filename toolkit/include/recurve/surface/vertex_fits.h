@@ -3,6 +3,7 @@
 
 #include <recurve/surface/internal/blended_fit.h>
 #include <recurve/surface/internal/surface_arrays.h>
+#include <recurve/surface/internal/vertex_fit_store.h>
 #include <recurve/surface/vertex_fit.h>
 
 #include <CGAL/boost/graph/iterator.h>
@@ -11,6 +12,7 @@
 #include <boost/property_map/property_map.hpp>
 
 #include <array>
+#include <memory>
 #include <span>
 #include <utility>
 #include <vector>
@@ -23,6 +25,9 @@ namespace recurve {
 /// Between the vertices the surface is the blend of their fits: a node at the (bi)linear shape functions N_i of a face
 /// goes to the mean, weighted with N_i, of where the fits of the corners take it, each fit being corrected by its
 /// residuals at the other corners. Adjacent faces of a region agree on their edge.
+///
+/// Copies share the fits, which nothing changes any more: a fit, or a blend of fits, is there as long as any copy of
+/// the object that it comes from. One that was moved from may only be assigned to or destroyed.
 template <class Graph>
 class Vertex_fits
 {
@@ -49,15 +54,16 @@ public:
     value_type edge_fit(halfedge_descriptor halfedge) const { return fits->edge_fit(halfedge); }
   };
 
-  /// Takes over `fits`, one per vertex of `surface`.
-  Vertex_fits(const Graph& g, const internal::surface::Surface_arrays& surface, std::vector<Vertex_fit> fits);
+  /// \param fits  one per vertex of `surface`.
+  Vertex_fits(const Graph& g, const internal::surface::Surface_arrays& surface,
+              std::shared_ptr<const internal::surface::Vertex_fit_store> fits);
 
   Face_map face_map() const { return {this}; }
 
   /// the fit at corner `corner` of `face`, counted from source(halfedge(face, g)).
   const Vertex_fit& fit_at_corner(face_descriptor face, int corner) const
   {
-    return fits_[vertices_[face_first_[get(face_numbers_, face)] + corner]];
+    return (*fits_)[vertices_[face_first_[get(face_numbers_, face)] + corner]];
   }
 
   /// the fit at source(`halfedge`), in the region of the half-edge's face.
@@ -70,7 +76,7 @@ public:
   }
 
   /// all fits, those of one vertex one after the other.
-  std::span<const Vertex_fit> all() const { return fits_; }
+  std::span<const Vertex_fit> all() const { return fits_->all(); }
 
   /// the blend over a face.
   internal::surface::Blended_fit face_fit(face_descriptor face) const
@@ -79,7 +85,7 @@ public:
     std::array<const Vertex_fit*, 4> corners = {};
     const std::size_t count = static_cast<std::size_t>(face_first_[number + 1] - face_first_[number]);
     for (std::size_t i = 0; i < count; ++i)
-      corners[i] = &fits_[vertices_[face_first_[number] + static_cast<Index>(i)]];
+      corners[i] = &(*fits_)[vertices_[face_first_[number] + static_cast<Index>(i)]];
     return internal::surface::Blended_fit(std::span<const Vertex_fit* const>(corners.data(), count));
   }
 
@@ -95,12 +101,12 @@ private:
   Face_numbers face_numbers_;
   std::vector<Index> face_first_;
   std::vector<Index> vertices_; ///< of the corners of each face from source(halfedge(f, g)) on: positions in fits_
-  std::vector<Vertex_fit> fits_;
+  std::shared_ptr<const internal::surface::Vertex_fit_store> fits_;
 };
 
 template <class Graph>
 Vertex_fits<Graph>::Vertex_fits(const Graph& g, const internal::surface::Surface_arrays& surface,
-                                std::vector<Vertex_fit> fits)
+                                std::shared_ptr<const internal::surface::Vertex_fit_store> fits)
   : graph_(&g), face_numbers_(get(CGAL::dynamic_face_property_t<Index>(), g)), face_first_(surface.face_first),
     fits_(std::move(fits))
 {

@@ -128,6 +128,8 @@ private:
   /// how far the terms of second degree bend the middle of an edge to a neighbour.
   static double middle_bend(const Vertex_fit& fit)
   {
+    if (fit.degree < 2)
+      return 0;
     const auto& c = fit.coefficients;
     return fit.size * (std::abs(c[3]) + std::abs(c[4]) + std::abs(c[5])) / 4;
   }

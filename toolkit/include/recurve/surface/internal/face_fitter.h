@@ -128,7 +128,7 @@ private:
     policies_->stencil(builder_, degree);
     const std::span<Index> vertices = builder_.vertices();
     std::sort(vertices.begin(), vertices.end());
-    points_.clear();
+    points_.start(vertices.size());
     is_planar_ = true;
     for (std::size_t i = 0; i < vertices.size(); ++i)
       if (is_best_side(*surface_, vertices, i, frame.flat_fit.n))

@@ -4,20 +4,23 @@
 #include <recurve/core/progress.h>
 #include <recurve/surface/internal/edge_displacement.h>
 #include <recurve/surface/internal/surface_arrays.h>
+#include <recurve/surface/internal/vertex_fit_store.h>
 #include <recurve/surface/internal/vertex_fitter.h>
 #include <recurve/surface/vertex_fit.h>
 
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <numeric>
+#include <memory>
 #include <span>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace recurve::internal::surface {
@@ -31,61 +34,78 @@ public:
   All_vertex_fits(const Surface_arrays& surface, const Policies& policies, const Vertex_fit_bounds& bounds)
     : surface_(surface), bounds_(bounds),
       fitters_([&surface, &policies, bounds] { return Vertex_fitter<Policies>(surface, policies, bounds); }),
-      fits_(surface.points.size()), stencil_sizes_(surface.points.size(), 0),
-      reasons_(surface.points.size(), Lowering_reason::undetermined), displacements_(surface.neighbors.size(), 0.0)
+      fits_(std::make_shared<Vertex_fit_store>(surface.points.size())), stencil_sizes_(surface.points.size(), 0),
+      reasons_(surface.points.size(), Lowering_reason::undetermined),
+      degrees_(surface.points.size(), static_cast<std::int8_t>(bounds.degree_at_rim)),
+      displacements_(std::make_unique_for_overwrite<double[]>(surface.neighbors.size()))
   {}
 
   void run(const Progress_callback& progress, std::string_view stage)
   {
-    std::vector<Index> all(surface_.points.size());
-    std::iota(all.begin(), all.end(), Index(0));
-    degrees_.assign(surface_.points.size(), static_cast<std::int8_t>(bounds_.degree_at_rim));
-    for (std::size_t first = 0; first < all.size(); first += vertices_per_block)
+    const Index count = surface_.vertex_count();
+    for (Index first = 0; first < count; first += vertices_per_block)
     {
-      report_progress(progress, stage, 0.9 * static_cast<double>(first) / static_cast<double>(all.size()));
-      fit({all.data() + first, std::min(vertices_per_block, all.size() - first)});
+      report_progress(progress, stage, 0.9 * static_cast<double>(first) / static_cast<double>(count));
+      fit(Consecutive_vertices{first, std::min(vertices_per_block, count - first)});
     }
-    for (std::vector<Index> poor = find_poor_fits(all); !poor.empty(); poor = find_poor_fits(neighborhood(poor)))
+    for (std::vector<Index> poor = find_poor_fits(Consecutive_vertices{0, count}); !poor.empty();
+         poor = find_poor_fits(Listed_vertices{neighborhood(poor)}))
     {
       report_progress(progress, stage, 0.95);
-      fit(poor);
+      fit(Listed_vertices{poor});
     }
     report_progress(progress, stage, 1);
   }
 
-  std::vector<Vertex_fit>& fits() { return fits_; }
+  /// shared with those who keep the fits.
+  std::shared_ptr<const Vertex_fit_store> fits() const { return fits_; }
   const std::vector<Lowering_reason>& reasons() const { return reasons_; }
   const std::vector<std::int32_t>& stencil_sizes() const { return stencil_sizes_; }
 
 private:
-  static constexpr std::size_t vertices_per_block = 65536; ///< between two reports of progress
+  static constexpr Index vertices_per_block = 65536; ///< between two reports of progress
 
-  template <class Work>
-  static void for_each(std::span<const Index> vertices, const Work& work)
+  struct Consecutive_vertices
   {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, vertices.size(), 64),
-                      [&](const tbb::blocked_range<std::size_t>& range) {
-                        for (std::size_t i = range.begin(); i < range.end(); ++i)
-                          work(vertices[i], i);
-                      });
+    Index first = 0, count = 0;
+    Index size() const { return count; }
+    Index operator[](Index i) const { return first + i; }
+  };
+
+  struct Listed_vertices
+  {
+    std::vector<Index> list;
+    Index size() const { return static_cast<Index>(list.size()); }
+    Index operator[](Index i) const { return list[static_cast<std::size_t>(i)]; }
+  };
+
+  template <class Vertices, class Work>
+  static void for_each(const Vertices& vertices, const Work& work)
+  {
+    tbb::parallel_for(tbb::blocked_range<Index>(0, vertices.size(), 64), [&](const tbb::blocked_range<Index>& range) {
+      for (Index i = range.begin(); i < range.end(); ++i)
+        work(vertices[i], i);
+    });
   }
 
-  void fit(std::span<const Index> vertices)
+  template <class Vertices>
+  void fit(const Vertices& vertices)
   {
-    for_each(vertices, [this](Index v, std::size_t) {
-      const Vertex_result result = fitters_.local().fit(v, degrees_[v], fits_[v]);
+    for_each(vertices, [this](Index v, Index) {
+      Vertex_fitter<Policies>& fitter = fitters_.local();
+      const Vertex_result result = fitter.fit(v, degrees_[v]);
+      fits_->set(v, fitter.draft());
       stencil_sizes_[v] = static_cast<std::int32_t>(result.stencil_size);
       if (degrees_[v] >= bounds_.degree && result.reason)
         reasons_[v] = *result.reason; // the reason of the first lowering stands
-      set_displacements(v);
+      set_displacements(v, fitter.draft());
     });
   }
 
   /// how far the fit of `v` alone moves the middle of each edge at `v`, when it is corrected linearly so as to go
   /// through the other end.
-  void set_displacements(Index v)
+  void set_displacements(Index v, const Vertex_fit& fit)
   {
-    const Vertex_fit& fit = fits_[v];
     for (Index i = surface_.neighbor_first[v]; i < surface_.neighbor_first[v + 1]; ++i)
     {
       displacements_[i] = 0;
@@ -102,19 +122,20 @@ private:
     const auto place = std::lower_bound(first, last, v);
     if (place == last || *place != v)
       return std::numeric_limits<double>::quiet_NaN();
-    return displacements_[place - surface_.neighbors.begin()];
+    return displacements_[static_cast<std::size_t>(place - surface_.neighbors.begin())];
   }
 
   /// lowers the wanted degree of the vertices of `candidates` whose fits are poor. \return them.
-  std::vector<Index> find_poor_fits(std::span<const Index> candidates)
+  template <class Vertices>
+  std::vector<Index> find_poor_fits(const Vertices& candidates)
   {
-    std::vector<std::int8_t> degrees(candidates.size());
-    for_each(candidates, [&](Index v, std::size_t i) { degrees[i] = degree_wanted(v); });
+    std::vector<std::int8_t> degrees(static_cast<std::size_t>(candidates.size()));
+    for_each(candidates, [&](Index v, Index i) { degrees[static_cast<std::size_t>(i)] = degree_wanted(v); });
     std::vector<Index> poor;
-    for (std::size_t i = 0; i < candidates.size(); ++i)
-      if (degrees[i] < degrees_[candidates[i]])
+    for (Index i = 0; i < candidates.size(); ++i)
+      if (degrees[static_cast<std::size_t>(i)] < degrees_[candidates[i]])
       {
-        degrees_[candidates[i]] = degrees[i];
+        degrees_[candidates[i]] = degrees[static_cast<std::size_t>(i)];
         poor.push_back(candidates[i]);
       }
     return poor;
@@ -124,14 +145,14 @@ private:
   /// normals tell.
   std::int8_t degree_wanted(Index v)
   {
-    const Vertex_fit& fit = fits_[v];
+    const Vertex_fit& fit = (*fits_)[v];
     if (fit.state != Vertex_fit_state::curved || fit.degree <= 2)
       return degrees_[v]; // a parabola is as harmless as fits are
     Estimated_bend bend;
     for (Index i = surface_.neighbor_first[v]; i < surface_.neighbor_first[v + 1]; ++i)
     {
       const Index neighbor = surface_.neighbors[i];
-      if (fits_[neighbor].state != Vertex_fit_state::curved)
+      if ((*fits_)[neighbor].state != Vertex_fit_state::curved)
         continue;
       const double own = displacements_[i];
       const double others = opposite_displacement(v, neighbor);
@@ -170,11 +191,11 @@ private:
   const Surface_arrays& surface_;
   Vertex_fit_bounds bounds_;
   tbb::enumerable_thread_specific<Vertex_fitter<Policies>> fitters_;
-  std::vector<Vertex_fit> fits_;
+  std::shared_ptr<Vertex_fit_store> fits_;
   std::vector<std::int32_t> stencil_sizes_;
   std::vector<Lowering_reason> reasons_;
-  std::vector<std::int8_t> degrees_;  ///< asked for
-  std::vector<double> displacements_; ///< per entry of Surface_arrays::neighbors
+  std::vector<std::int8_t> degrees_;        ///< asked for
+  std::unique_ptr<double[]> displacements_; ///< per entry of Surface_arrays::neighbors
 };
 
 /// the caller's normals as data. On a rim there are none: what was computed there is a mean over few faces.
@@ -187,42 +208,79 @@ inline std::vector<Point> normals_off_rims(const Surface_arrays& surface)
   return normals;
 }
 
-/// what the fits of vertices mean for the faces: the lowest of its corners makes a face.
-inline Reconstruction_report report_on_faces(const Surface_arrays& surface, const std::vector<Vertex_fit>& fits,
-                                             const std::vector<Lowering_reason>& reasons,
-                                             const std::vector<std::int32_t>& stencil_sizes, int degree,
-                                             int polynomial_degree)
+/// What the fits of vertices mean for the faces: the lowest of its corners makes a face.
+class Face_reporter
 {
-  Reconstruction_report report;
-  report.faces = surface.face_count();
-  const auto counts = [](const Vertex_fit& fit) {
-    return fit.state == Vertex_fit_state::curved || fit.state == Vertex_fit_state::flat;
-  };
-  for (std::size_t v = 0; v < fits.size(); ++v)
+public:
+  Face_reporter(const Surface_arrays& surface, const Vertex_fit_store& fits,
+                const std::vector<Lowering_reason>& reasons, const std::vector<std::int32_t>& stencil_sizes, int degree,
+                int polynomial_degree)
+    : surface_(surface), fits_(fits), reasons_(reasons), stencil_sizes_(stencil_sizes), degree_(degree),
+      polynomial_degree_(polynomial_degree)
+  {}
+
+  Reconstruction_report report() const
   {
-    report.fits += fits[v].state == Vertex_fit_state::curved ? 1 : 0;
-    report.reduced_fits += counts(fits[v]) && fits[v].degree < polynomial_degree ? 1 : 0;
-    report.stencil_vertices += fits[v].state == Vertex_fit_state::curved ? stencil_sizes[v] : 0;
+    using Range = tbb::blocked_range<Index>;
+    Reconstruction_report of_vertices = tbb::parallel_reduce(
+      Range(0, surface_.vertex_count(), 1024), Reconstruction_report(),
+      [this](const Range& range, Reconstruction_report report) {
+        for (Index v = range.begin(); v < range.end(); ++v)
+          add_vertex(v, report);
+        return report;
+      },
+      joined);
+    Reconstruction_report of_faces = tbb::parallel_reduce(
+      Range(0, surface_.face_count(), 1024), Reconstruction_report(),
+      [this](const Range& range, Reconstruction_report report) {
+        for (Index face = range.begin(); face < range.end(); ++face)
+          add_face(face, report);
+        return report;
+      },
+      joined);
+    return joined(std::move(of_vertices), std::move(of_faces));
   }
-  for (Index face = 0; face < surface.face_count(); ++face)
+
+private:
+  /// Parts are joined in the order of the vertices or faces.
+  static Reconstruction_report joined(Reconstruction_report first, const Reconstruction_report& second)
   {
-    const auto corners = surface.corners_of_face(face);
+    first += second;
+    return first;
+  }
+
+  static bool counts(const Vertex_fit& fit)
+  {
+    return fit.state == Vertex_fit_state::curved || fit.state == Vertex_fit_state::flat;
+  }
+
+  void add_vertex(Index v, Reconstruction_report& report) const
+  {
+    report.fits += fits_[v].state == Vertex_fit_state::curved ? 1 : 0;
+    report.reduced_fits += counts(fits_[v]) && fits_[v].degree < polynomial_degree_ ? 1 : 0;
+    report.stencil_vertices += fits_[v].state == Vertex_fit_state::curved ? stencil_sizes_[v] : 0;
+  }
+
+  void add_face(Index face, Reconstruction_report& report) const
+  {
+    const auto corners = surface_.corners_of_face(face);
     const auto lower = [&](Index a, Index b) {
-      return counts(fits[a]) != counts(fits[b]) ? counts(fits[a]) : fits[a].degree < fits[b].degree;
+      return counts(fits_[a]) != counts(fits_[b]) ? counts(fits_[a]) : fits_[a].degree < fits_[b].degree;
     };
     const Index lowest = *std::min_element(corners.begin(), corners.end(), lower);
     const bool is_planar = std::all_of(corners.begin(), corners.end(), [&](Index v) {
-      return fits[v].state == Vertex_fit_state::planar || fits[v].state == Vertex_fit_state::none;
+      return fits_[v].state == Vertex_fit_state::planar || fits_[v].state == Vertex_fit_state::none;
     });
-    const bool has_normal = surface.face_normals[face] != Point{0, 0, 0};
-    const int found = std::min(degree, counts(fits[lowest]) ? static_cast<int>(fits[lowest].degree) : 0);
+    const bool has_normal = surface_.face_normals[face] != Point{0, 0, 0};
+    const int found = std::min(degree_, counts(fits_[lowest]) ? static_cast<int>(fits_[lowest].degree) : 0);
+    ++report.faces;
     ++report.faces_of_degree[static_cast<std::size_t>(found)];
     if (is_planar && has_normal)
       ++report.planar_faces;
-    else if (found < degree && counts(fits[lowest]))
+    else if (found < degree_ && counts(fits_[lowest]))
     {
       ++report.lowered_faces;
-      report.lowerings.push_back({face, found, reasons[lowest]});
+      report.lowerings.push_back({face, found, reasons_[lowest]});
     }
     else if (is_planar)
     {
@@ -230,8 +288,14 @@ inline Reconstruction_report report_on_faces(const Surface_arrays& surface, cons
       report.lowerings.push_back({face, 0, Lowering_reason::no_normal});
     }
   }
-  return report;
-}
+
+  const Surface_arrays& surface_;
+  const Vertex_fit_store& fits_;
+  const std::vector<Lowering_reason>& reasons_;
+  const std::vector<std::int32_t>& stencil_sizes_;
+  int degree_;
+  int polynomial_degree_;
+};
 
 } // namespace recurve::internal::surface
 

@@ -15,19 +15,24 @@ namespace recurve::internal::surface {
 class Fit_points
 {
 public:
-  void clear()
+  /// forgets all points. \param most  that will be added at most.
+  void start(std::size_t most)
   {
-    for (std::vector<double>* const values :
-         {&u_, &v_, &height_, &weight_, &slope_u_, &slope_v_, &by_u_, &by_v_, &slope_weight_})
+    size_ = 0;
+    if (u_.size() < most)
+      for (std::vector<double>* const values : {&u_, &v_, &height_, &weight_})
+        values->resize(most);
+    for (std::vector<double>* const values : {&slope_u_, &slope_v_, &by_u_, &by_v_, &slope_weight_})
       values->clear();
   }
 
   void add(double u, double v, double height, double weight)
   {
-    u_.push_back(u);
-    v_.push_back(v);
-    height_.push_back(height);
-    weight_.push_back(weight);
+    u_[size_] = u;
+    v_[size_] = v;
+    height_[size_] = height;
+    weight_[size_] = weight;
+    ++size_;
   }
 
   void add_slope(double u, double v, double by_u, double by_v, double weight)
@@ -39,15 +44,20 @@ public:
     slope_weight_.push_back(weight);
   }
 
-  std::size_t size() const { return u_.size(); }
+  std::size_t size() const { return size_; }
 
   Weighted_points view(bool is_through_origin) const
   {
-    return {u_, v_, height_, weight_, is_through_origin, {slope_u_, slope_v_, by_u_, by_v_, slope_weight_}};
+    const auto used = [this](const std::vector<double>& values) {
+      return std::span<const double>(values.data(), size_);
+    };
+    return {used(u_),      used(v_),          used(height_),
+            used(weight_), is_through_origin, {slope_u_, slope_v_, by_u_, by_v_, slope_weight_}};
   }
 
 private:
-  std::vector<double> u_, v_, height_, weight_;
+  std::size_t size_ = 0;
+  std::vector<double> u_, v_, height_, weight_; ///< more may be there than are used
   std::vector<double> slope_u_, slope_v_, by_u_, by_v_, slope_weight_;
 };
 

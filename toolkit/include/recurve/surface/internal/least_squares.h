@@ -72,18 +72,27 @@ private:
 inline double dot_product(const double* a, const double* b, int count)
 {
   // Four sums at a time: the order is fixed, and the processor need not wait for each addition.
-  double s0 = 0, s1 = 0, s2 = 0, s3 = 0;
+  Number_pair first = {}, second = {};
   int i = 0;
   for (; i + 4 <= count; i += 4)
   {
-    s0 += a[i] * b[i];
-    s1 += a[i + 1] * b[i + 1];
-    s2 += a[i + 2] * b[i + 2];
-    s3 += a[i + 3] * b[i + 3];
+    first += load_pair(a + i) * load_pair(b + i);
+    second += load_pair(a + i + 2) * load_pair(b + i + 2);
   }
   for (; i < count; ++i)
-    s0 += a[i] * b[i];
-  return (s0 + s2) + (s1 + s3);
+    first[0] += a[i] * b[i];
+  const Number_pair sum = first + second;
+  return sum[0] + sum[1];
+}
+
+/// writes the products of `a` and `b`.
+inline void multiply(const double* a, const double* b, int count, double* products)
+{
+  int i = 0;
+  for (; i + 2 <= count; i += 2)
+    store_pair(load_pair(a + i) * load_pair(b + i), products + i);
+  if (i < count)
+    products[i] = a[i] * b[i];
 }
 
 inline void Weighted_equations::set(const Weighted_points& points, int degree)
@@ -125,9 +134,10 @@ inline void Weighted_equations::set_points(const Weighted_points& points, int de
       // u^j v^k from the term of one degree less, or from the weights.
       const int lower = p == 0 ? -1 : k == 0 ? coefficient_number(p - 1, 0) : coefficient_number(p - k, k - 1);
       const double* const from = lower < first_coefficient_ ? root : column(lower - first_coefficient_);
-      const double* const factor = k == 0 ? points.u.data() : points.v.data();
-      for (int i = 0; i < count; ++i)
-        values[i] = p == 0 ? root[i] : from[i] * factor[i];
+      if (p == 0)
+        std::copy_n(root, count, values);
+      else
+        multiply(from, k == 0 ? points.u.data() : points.v.data(), count, values);
     }
 }
 
@@ -180,14 +190,36 @@ void reflect(const double* v, double* first, int stride, int count, double facto
     for (int c = 0; c < Columns; ++c)
       sums[static_cast<std::size_t>(c)] += x * load_pair(column(c) + i);
   }
-  std::array<double, Columns> amounts;
+  std::array<Number_pair, Columns> amounts;
   for (std::size_t c = 0; c < Columns; ++c)
-    amounts[c] = factor * (sums[c][0] + sums[c][1]);
+  {
+    const double amount = factor * (sums[c][0] + sums[c][1]);
+    amounts[c] = Number_pair{amount, amount};
+  }
   for (int i = 0; i < count; i += 2)
   {
     const Number_pair x = load_pair(v + i);
     for (int c = 0; c < Columns; ++c)
       store_pair(load_pair(column(c) + i) - amounts[static_cast<std::size_t>(c)] * x, column(c) + i);
+  }
+}
+
+/// the same for `columns` columns, as many at a time as the processor has registers for their sums.
+inline void reflect_all(const double* v, double* first, int stride, int columns, int count, double factor)
+{
+  constexpr int most = 8;
+  for (; columns >= most; columns -= most, first += static_cast<std::ptrdiff_t>(most) * stride)
+    reflect<most>(v, first, stride, count, factor);
+  switch (columns)
+  {
+  case 7: return reflect<7>(v, first, stride, count, factor);
+  case 6: return reflect<6>(v, first, stride, count, factor);
+  case 5: return reflect<5>(v, first, stride, count, factor);
+  case 4: return reflect<4>(v, first, stride, count, factor);
+  case 3: return reflect<3>(v, first, stride, count, factor);
+  case 2: return reflect<2>(v, first, stride, count, factor);
+  case 1: return reflect<1>(v, first, stride, count, factor);
+  default: return;
   }
 }
 
@@ -221,33 +253,42 @@ inline Triangle triangulate(Weighted_equations& equations, double least_independ
       continue;
     const double diagonal = pivot[row] > 0 ? -length : length;
     const int first = row - row % 2; // pairs of numbers: a zero may come before Householder's vector
+    for (int i = first; i < equations.stride(); i += 2)
+      store_pair(load_pair(pivot + i), v + i);
     v[first] = 0;
-    std::copy(pivot + row, pivot + equations.stride(), v + row);
-    v[row] -= diagonal;
+    v[row] = pivot[row] - diagonal;
     const double factor = -1 / (diagonal * v[row]);
-    const int count = equations.stride() - first;
-    int other = c + 1;
-    for (; other + 4 <= columns + 1; other += 4)
-      reflect<4>(v + first, equations.column(other) + first, equations.stride(), count, factor);
-    for (; other <= columns; ++other)
-      reflect<1>(v + first, equations.column(other) + first, equations.stride(), count, factor);
+    reflect_all(v + first, equations.column(c + 1) + first, equations.stride(), columns - c, equations.stride() - first,
+                factor);
     pivot[row] = diagonal;
     triangle.columns[static_cast<std::size_t>(triangle.size++)] = c;
   }
   return triangle;
 }
 
+inline void subtract_multiple(double factor, const double* a, int count, double* b)
+{
+  const Number_pair factors = {factor, factor};
+  int i = 0;
+  for (; i + 2 <= count; i += 2)
+    store_pair(load_pair(b + i) - factors * load_pair(a + i), b + i);
+  if (i < count)
+    b[i] -= factor * a[i];
+}
+
 /// solves the triangular equations.
 inline void substitute_back(Weighted_equations& equations, const Triangle& triangle, std::span<double> coefficients)
 {
   double* const rhs = equations.rhs();
+  double value = triangle.size > 0 ? rhs[triangle.size - 1] : 0;
   for (int row = triangle.size - 1; row >= 0; --row)
   {
     const int c = triangle.columns[static_cast<std::size_t>(row)];
     const double* const column = equations.column(c);
-    const double x = rhs[row] / column[row];
-    for (int i = 0; i < row; ++i)
-      rhs[i] -= x * column[i];
+    const double x = value / column[row];
+    if (row > 0)
+      value = rhs[row - 1] - x * column[row - 1]; // first: the next quotient waits for it
+    subtract_multiple(x, column, row - 1, rhs);
     coefficients[static_cast<std::size_t>(c + equations.first_coefficient())] = x;
   }
 }

@@ -4,6 +4,7 @@
 #include <recurve/surface/internal/edge_displacement.h>
 #include <recurve/surface/internal/surface_arrays.h>
 #include <recurve/surface/internal/vector_3.h>
+#include <recurve/surface/internal/vertex_fit_draft.h>
 #include <recurve/surface/reconstruction_report.h>
 #include <recurve/surface/vertex_fit.h>
 
@@ -68,14 +69,20 @@ struct Fit_verdict
   bool is_good = true;
 };
 
+/// Memory for the fits of lower degrees that a fit is compared with.
+struct Lower_fits
+{
+  Vertex_fit_draft lower, lowest;
+};
+
 /// Judges the fits of one vertex by what they do to the middles of its edges, right after they were solved for.
 template <class Solver>
 class Vertex_fit_judge
 {
 public:
   Vertex_fit_judge(const Surface_arrays& surface, const Vertex_fit_bounds& bounds, const Solver& solver,
-                   const Estimated_bend& bend, Index vertex)
-    : surface_(surface), bounds_(bounds), solver_(solver), bend_(bend), vertex_(vertex),
+                   const Estimated_bend& bend, Index vertex, Lower_fits& drafts)
+    : surface_(surface), bounds_(bounds), solver_(solver), bend_(bend), drafts_(drafts), vertex_(vertex),
       neighbors_(surface.neighbors_of(vertex))
   {}
 
@@ -87,7 +94,7 @@ public:
       return judge_parabola(fit);
     if ((degree >= high_degree || degree > bounds_.degree) && !is_resolved(degree, fit))
       return {Lowering_reason::disagreement, false};
-    Vertex_fit lower;
+    Vertex_fit_draft& lower = drafts_.lower;
     bool has_lower = false;
     for (const Index neighbor : neighbors_)
     {
@@ -108,7 +115,7 @@ public:
       if (!has_lower && !solve_next_lower(degree, fit, lower))
         return {Lowering_reason::not_finite, false};
       has_lower = true;
-      if (departs(own, middle_displacement(lower, end), bounds_.largest_disagreement / strictness,
+      if (departs(own, middle_displacement(lower.fit(), end), bounds_.largest_disagreement / strictness,
                   std::max(negligible / strictness, harmless_difference * edge_length)))
         return {Lowering_reason::disagreement, false};
     }
@@ -169,21 +176,22 @@ private:
   /// `fit`.
   bool is_resolved(int degree, const Vertex_fit& fit) const
   {
-    Vertex_fit lower;
+    Vertex_fit_draft& lower = drafts_.lower;
     if (degree <= bounds_.degree)
     {
       if (!solve_next_lower(degree, fit, lower))
         return false;
-      const Change last = change(lower, fit);
+      const Change last = change(lower.fit(), fit);
       return last.largest <= resolved_change * last.bend;
     }
-    lower = fit;
-    Vertex_fit lowest = fit;
+    Vertex_fit_draft& lowest = drafts_.lowest;
+    lower.set_flat(fit, Vertex_fit_state::flat);
+    lowest.set_flat(fit, Vertex_fit_state::flat);
     if (degree < 5 || !solver_.solve_lower(degree - 2, lower) || !solver_.solve_lower(degree - 4, lowest) ||
-        (has_missing_terms(fit, degree) && agree(fit, lower)))
+        (has_missing_terms(fit, degree) && agree(fit, lower.fit())))
       return false;
-    const Change last = change(lower, fit);
-    const double before = change(lowest, lower).largest;
+    const Change last = change(lower.fit(), fit);
+    const double before = change(lowest.fit(), lower.fit()).largest;
     const bool is_growing = last.largest > largest_growth * before && last.largest > harmless_change * last.bend;
     return !is_growing && last.largest <= resolved_change_raised * last.bend &&
            before <= resolved_change_before * last.bend;
@@ -192,15 +200,15 @@ private:
   /// sets `lower` to the fit of two degrees less, for comparison with `fit`. Where the points do not determine all
   /// terms of `fit`, those of so many degrees may be missing that both are the same and their agreement means nothing:
   /// then to the first lower one that differs.
-  bool solve_next_lower(int degree, const Vertex_fit& fit, Vertex_fit& lower) const
+  bool solve_next_lower(int degree, const Vertex_fit& fit, Vertex_fit_draft& lower) const
   {
     const bool lacks_terms = has_missing_terms(fit, degree);
-    lower = fit;
+    lower.set_flat(fit, Vertex_fit_state::flat);
     for (int d = degree - 2; d > 0; d -= 2)
     {
       if (!solver_.solve_lower(d, lower))
         return false;
-      if (!lacks_terms || !agree(fit, lower))
+      if (!lacks_terms || !agree(fit, lower.fit()))
         break;
     }
     return true;
@@ -220,14 +228,15 @@ private:
   /// whether the solver left out terms that the points do not determine.
   static bool has_missing_terms(const Vertex_fit& fit, int degree)
   {
-    const auto first = fit.coefficients.begin() + 1, last = fit.coefficients.begin() + coefficient_count(degree);
-    return std::find(first, last, 0.0) != last;
+    return fit.degree < degree ||
+           std::find(fit.coefficients.begin() + 1, fit.coefficients.end(), 0.0) != fit.coefficients.end();
   }
 
   const Surface_arrays& surface_;
   const Vertex_fit_bounds& bounds_;
   const Solver& solver_;
   const Estimated_bend& bend_;
+  Lower_fits& drafts_;
   Index vertex_;
   std::span<const Index> neighbors_;
 };

@@ -8,6 +8,7 @@
 #include <recurve/surface/internal/one_sided_distance.h>
 #include <recurve/surface/internal/surface_arrays.h>
 #include <recurve/surface/internal/vector_3.h>
+#include <recurve/surface/internal/vertex_fit_draft.h>
 #include <recurve/surface/internal/vertex_fit_judge.h>
 #include <recurve/surface/internal/vertex_fit_solver.h>
 #include <recurve/surface/policies.h>
@@ -53,60 +54,49 @@ public:
       data_normals_(bounds.data_normals)
   {}
 
-  /// sets `fit` to that of `vertex` with the highest degree up to `degree` that is any good, in even steps. Beyond the
-  /// bounds' degree only where the stencil touches a rim.
-  Vertex_result fit(Index vertex, int degree, Vertex_fit& fit)
+  /// makes `draft()` the fit of `vertex` with the highest degree up to `degree` that is any good, in even steps. Beyond
+  /// the bounds' degree only where the stencil touches a rim.
+  Vertex_result fit(Index vertex, int degree)
   {
     Vertex_result result = {.reason = Lowering_reason::no_normal};
-    if (fit.degree > 0) // it is clear at first
-      fit = {};
-    fit.origin = surface_->points[vertex];
-    fit.vertex_normal = surface_->normals[vertex];
+    Vertex_fit frame = {.origin = surface_->points[vertex], .vertex_normal = surface_->normals[vertex]};
+    draft_.set_flat(frame, Vertex_fit_state::none);
     if (surface_->is_tip[vertex] || has_concentrated_curvature(*surface_, vertex) ||
-        fit.vertex_normal == Point{0, 0, 0} || !set_axes(vertex, fit.vertex_normal, fit))
+        frame.vertex_normal == Point{0, 0, 0})
       return result;
-    fit.state = Vertex_fit_state::planar;
-    if (is_in_planar_part(vertex, fit))
+    const bool spans_plane = set_axes(vertex, frame.vertex_normal, frame);
+    draft_.set_flat(frame, spans_plane ? Vertex_fit_state::planar : Vertex_fit_state::none);
+    if (!spans_plane || is_in_planar_part(vertex, frame))
       return result;
     result.reason.reset();
     const Estimated_bend bend = estimated_bend(*surface_, vertex);
-    const int first = gather_first(vertex, fit, degree);
+    const int first = gather_first(vertex, frame, degree);
     for (int d = first; d > 0; d = (d - 1) / 2 * 2)
     {
       if (d < first)
-        gather_points(vertex, fit, d);
+        gather_points(vertex, frame, d);
       if (is_planar_)
       {
-        fit = straight(fit, has_faces_in_plane(vertex, fit) ? Vertex_fit_state::planar : Vertex_fit_state::flat);
+        draft_.set_flat(frame, has_faces_in_plane(vertex, frame) ? Vertex_fit_state::planar : Vertex_fit_state::flat);
         return result;
       }
       result.stencil_size = builder_.size();
+      draft_.set_flat(frame, Vertex_fit_state::flat);
       Fit_verdict verdict = {Lowering_reason::not_finite, false};
-      if (solver_.solve(d, fit))
-        verdict = Vertex_fit_judge(*surface_, bounds_, solver_, bend, vertex).judge(d, fit);
+      if (solver_.solve(d, draft_))
+        verdict = Vertex_fit_judge(*surface_, bounds_, solver_, bend, vertex, lower_fits_).judge(d, draft_.fit());
       if (verdict.is_good)
         return result;
       if (d <= bounds_.degree && !result.reason)
         result.reason = verdict.reason;
     }
-    fit = straight(fit, Vertex_fit_state::flat);
+    draft_.set_flat(frame, Vertex_fit_state::flat);
     return result;
   }
 
-private:
-  /// the fit without terms.
-  static Vertex_fit straight(const Vertex_fit& fit, Vertex_fit_state state)
-  {
-    return {.origin = fit.origin,
-            .n = fit.n,
-            .s_axis = fit.s_axis,
-            .t_axis = fit.t_axis,
-            .vertex_normal = fit.vertex_normal,
-            .size = fit.size,
-            .degree = 0,
-            .state = state};
-  }
+  const Vertex_fit& draft() const { return draft_.fit(); }
 
+private:
   /// sets the frame over the plane across `n`. \return whether the neighbours span a plane.
   bool set_axes(Index vertex, const Point& n, Vertex_fit& fit)
   {
@@ -212,7 +202,7 @@ private:
     const std::span<Index> vertices = builder_.vertices();
     if (has_twins_)
       std::sort(vertices.begin(), vertices.end());
-    solver_.points().clear();
+    solver_.points().start(vertices.size());
     is_planar_ = true;
     if (has_normals())
       add_slope(vertex, {0, 0, 0}, frame, weight_of(1, 1, degree)); // its own normal counts as much as a neighbour's
@@ -286,6 +276,8 @@ private:
   const Surface_arrays* surface_;
   const Policies* policies_;
   Vertex_fit_solver<Policies> solver_;
+  Vertex_fit_draft draft_;
+  Lower_fits lower_fits_;
   Stencil_builder builder_;
   Vertex_fit_bounds bounds_;
   bool has_twins_; ///< some vertices are on several regions
