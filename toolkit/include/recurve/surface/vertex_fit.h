@@ -3,6 +3,7 @@
 
 #include <recurve/core/types.h>
 #include <recurve/surface/local_fit.h>
+#include <recurve/surface/row_circles.h>
 
 #include <algorithm>
 #include <array>
@@ -29,8 +30,9 @@ enum class Vertex_fit_state : std::uint8_t
 /// the vertex.
 ///
 /// The surface near the vertex is the set of points x with w = height(s, t), where s = (x - origin) . s_axis, t = (x -
-/// origin) . t_axis and w = (x - origin) . n. The axes span the tangent plane; they measure the neighbours of the
-/// vertex, so that s and t of these are about 1 however long and thin the faces are.
+/// origin) . t_axis and w = (x - origin) . n. The axes span the plane; they measure the neighbours of the vertex, so
+/// that s and t of these are about 1 however long and thin the faces are. The height is a polynomial of s and t, or,
+/// where rows of long faces bend, of the coordinates along and across these.
 ///
 /// A view: the coefficients are kept elsewhere, by the `Vertex_fits` that a fit comes from. A copy is of use as long as
 /// these, or copies of them, are there. `height()` and what builds on it read the coefficients of `degree`.
@@ -43,10 +45,11 @@ struct Vertex_fit
   Point s_axis = {1, 0, 0};        ///< across n, one over a length
   Point t_axis = {0, 1, 0};        ///< across n and s_axis, one over a length
   Point vertex_normal = {0, 0, 1}; ///< unit normal of the straight-sided mesh at the vertex; nodes are moved along it
+  Row_circles rows = {};           ///< bend s and t within the plane
   double size = 1;                 ///< unit of the heights and mean distance of the neighbours, a length > 0
   std::int32_t degree = 0;         ///< 0 to max_vertex_fit_degree
   Vertex_fit_state state = Vertex_fit_state::none;
-  std::span<const double> coefficients = {&no_height, 1}; ///< coefficient_count(degree) of them: of s^j t^k at
+  std::span<const double> coefficients = {&no_height, 1}; ///< coefficient_count(degree) of them: of powers j and k at
                                                           ///< coefficient_number(j, k), in units of `size`; [0] is 0
 
   /// height over the plane and its derivatives by s and t; lengths in the unit of the mesh.
@@ -67,6 +70,14 @@ struct Vertex_fit
             r[0] * t_axis[0] + r[1] * t_axis[1] + r[2] * t_axis[2], r[0] * n[0] + r[1] * n[1] + r[2] * n[2]};
   }
 
+  /// local coordinates along and across the rows, in which the polynomial is.
+  Point row_coordinates(const Point& x) const
+  {
+    const Point local = local_coordinates(x);
+    const auto [along, across] = rows.place(local[0], local[1]);
+    return {along, across, local[2]};
+  }
+
   double height(double s, double t) const;
   Height height_and_slopes(double s, double t) const;
 
@@ -83,33 +94,37 @@ struct Vertex_fit
 
 inline double Vertex_fit::height(double s, double t) const
 {
+  const auto [along, across] = rows.place(s, t);
   double sum = 0;
   for (int j = degree; j >= 0; --j)
   {
     double row = 0;
     for (int k = degree - j; k >= 0; --k)
-      row = row * t + coefficients[static_cast<std::size_t>(coefficient_number(j, k))];
-    sum = sum * s + row;
+      row = row * across + coefficients[static_cast<std::size_t>(coefficient_number(j, k))];
+    sum = sum * along + row;
   }
   return size * sum;
 }
 
 inline Vertex_fit::Height Vertex_fit::height_and_slopes(double s, double t) const
 {
-  double sum = 0, by_s = 0, by_t = 0;
+  const auto [along, across] = rows.place(s, t);
+  double sum = 0, by_along = 0, by_across = 0;
   for (int j = degree; j >= 0; --j)
   {
-    double row = 0, row_by_t = 0;
+    double row = 0, row_by_across = 0;
     for (int k = degree - j; k >= 0; --k)
     {
-      row_by_t = row_by_t * t + row;
-      row = row * t + coefficients[static_cast<std::size_t>(coefficient_number(j, k))];
+      row_by_across = row_by_across * across + row;
+      row = row * across + coefficients[static_cast<std::size_t>(coefficient_number(j, k))];
     }
-    by_s = by_s * s + sum;
-    sum = sum * s + row;
-    by_t = by_t * s + row_by_t;
+    by_along = by_along * along + sum;
+    sum = sum * along + row;
+    by_across = by_across * along + row_by_across;
   }
-  return {size * sum, size * by_s, size * by_t};
+  const Row_circles::Slopes slopes = rows.slopes(s, t);
+  return {size * sum, size * (by_along * slopes.along_by_s + by_across * slopes.across_by_s),
+          size * (by_along * slopes.along_by_t + by_across * slopes.across_by_t)};
 }
 
 inline Point Vertex_fit::normal(double s, double t) const
@@ -152,8 +167,10 @@ inline std::array<double, 2> Vertex_fit::principal_curvatures() const
   const double a = std::sqrt(square(s_axis)), b = std::sqrt(square(t_axis));
   const double p = size * coefficients[1] * a, q = size * coefficients[2] * b; // slopes
   const bool has_bend = degree >= 2;
-  const double r = has_bend ? 2 * size * coefficients[3] * a * a : 0;
-  const double m = has_bend ? size * coefficients[4] * a * b : 0;
+  const double r =
+    (has_bend ? 2 * size * coefficients[3] * a * a : 0) + size * coefficients[2] * rows.across_by_ss() * a * a;
+  const double m =
+    (has_bend ? size * coefficients[4] * a * b : 0) + size * coefficients[1] * rows.along_by_st() * a * b;
   const double t = has_bend ? 2 * size * coefficients[5] * b * b : 0;
   const double stretch = 1 + p * p + q * q;
   const double mean = -((1 + q * q) * r - 2 * p * q * m + (1 + p * p) * t) / (2 * stretch * std::sqrt(stretch));

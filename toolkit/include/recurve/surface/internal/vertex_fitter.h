@@ -4,6 +4,7 @@
 #include <recurve/surface/internal/concentrated_curvature.h>
 #include <recurve/surface/internal/edge_displacement.h>
 #include <recurve/surface/internal/face_normal.h>
+#include <recurve/surface/internal/find_row_circles.h>
 #include <recurve/surface/internal/fit_points.h>
 #include <recurve/surface/internal/one_sided_distance.h>
 #include <recurve/surface/internal/surface_arrays.h>
@@ -38,6 +39,13 @@ struct Vertex_result
 
 /// Spread of the neighbours of a vertex, the smaller over the larger, below which they count as a line.
 inline constexpr double least_spread_ratio = 1e-8;
+
+/// How many times deeper, in the mean, a stencil at a rim must become where it may: at a straight rim of a wide surface
+/// it is 1.4.
+inline constexpr double least_gain_of_depth = 1.07;
+
+/// Spread of the neighbours along a row over that across it, from which on the row may bend by more than its width.
+inline constexpr double least_ratio_of_rows = 1.5;
 
 /// Cosine between the normal of a fit and one that is data, from which on it is of use: slopes below ten.
 inline constexpr double least_upright = 0.1;
@@ -105,29 +113,68 @@ private:
     const Point u = normalized(subtract(across, scaled(dot(across, n), n)));
     const Point v = cross(n, u);
     double uu = 0, uv = 0, vv = 0;
-    const std::span<const Index> corners = surface_->corners_of_vertex(vertex);
-    for (const Index corner : corners)
-      for (Index other = surface_->next_corner(corner); other != corner; other = surface_->next_corner(other))
-      {
-        const Point r = subtract(surface_->points[surface_->corner_vertices[other]], fit.origin);
-        const double a = dot(r, u), b = dot(r, v);
-        uu += a * a;
-        uv += a * b;
-        vv += b * b;
-      }
+    for_neighbors(vertex, [&](const Point& x) {
+      const Point r = subtract(x, fit.origin);
+      const double a = dot(r, u), b = dot(r, v);
+      uu += a * a;
+      uv += a * b;
+      vv += b * b;
+    });
     // Principal axes of the neighbours.
     const double angle = 0.5 * std::atan2(2 * uv, uu - vv);
     const double c = std::cos(angle), s = std::sin(angle);
-    const double count = static_cast<double>(corners.size());
+    const double count = static_cast<double>(surface_->corners_of_vertex(vertex).size());
     const double large = std::sqrt((c * c * uu + 2 * c * s * uv + s * s * vv) / count);
-    const double small = std::sqrt(std::max(0.0, s * s * uu - 2 * c * s * uv + c * c * vv) / count);
+    double small = std::sqrt(std::max(0.0, s * s * uu - 2 * c * s * uv + c * c * vv) / count);
     if (!(small > least_spread_ratio * large))
       return false;
     fit.s_axis = scaled(1 / large, add(scaled(c, u), scaled(s, v)));
     fit.t_axis = scaled(1 / small, subtract(scaled(c, v), scaled(s, u)));
+    fit.rows = {};
+    if (large > least_ratio_of_rows * small)
+      small *= set_rows(vertex, small / large, fit);
     fit.size = std::sqrt(large * small);
     slope_noise_ = 2 / small;
     return true;
+  }
+
+  /// has `fit` measure along and across the rows of faces, if these are long and their rows bend. \return the new unit
+  /// of t, over the old.
+  double set_rows(Index vertex, double ratio, Vertex_fit& fit)
+  {
+    Row_finder finder;
+    finder.add(0, 0);
+    for_neighbors(vertex, [&](const Point& x) {
+      const Point local = fit.local_coordinates(x);
+      finder.add(local[0], local[1]);
+    });
+    const Row_circles rows = finder.circles(ratio);
+    if (rows.are_straight())
+      return 1;
+    bool is_near = true;
+    double old_square = 0, square = 0;
+    for_neighbors(vertex, [&](const Point& x) {
+      const Point local = fit.local_coordinates(x);
+      is_near = is_near && rows.reach(local[1]);
+      const double across = rows.place(local[0], local[1]).across;
+      square += across * across;
+      old_square += local[1] * local[1];
+    });
+    const double factor = std::sqrt(square / old_square);
+    if (!is_near || !(factor > least_spread_ratio) || !(factor < 1))
+      return 1;
+    fit.rows = {rows.s_over_radius, factor * rows.t_over_radius};
+    fit.t_axis = scaled(1 / factor, fit.t_axis);
+    return factor;
+  }
+
+  /// calls `work` with the points of the other corners of each face at `vertex`.
+  template <class Work>
+  void for_neighbors(Index vertex, const Work& work) const
+  {
+    for (const Index corner : surface_->corners_of_vertex(vertex))
+      for (Index other = surface_->next_corner(corner); other != corner; other = surface_->next_corner(other))
+        work(surface_->points[surface_->corner_vertices[other]]);
   }
 
   /// whether `vertex` is in a planar part of the surface, even where a wider stencil would see the bend beside it: the
@@ -213,21 +260,29 @@ private:
   }
 
   /// for a fit whose points lie on one side: takes points farther from the rim in exchange for those farthest along
-  /// it, and puts the plane across the mean of their normals, since over that of the vertex, at their edge, they may
-  /// be steep.
+  /// it, if there are any, as there are not in a strip; and puts the plane across the mean of their normals, since over
+  /// that of the vertex, at their edge, they may be steep.
   void reach_inwards(Index vertex, Vertex_fit& frame)
   {
     const Index count = builder_.size();
+    const One_sided_distance distance = one_sided_distance(*surface_, builder_.vertices(), frame);
     for (Index before = 0; before < builder_.size() && builder_.size() < 2 * count;)
     {
       before = builder_.size();
       builder_.add_ring();
     }
-    distance_ = one_sided_distance(*surface_, builder_.vertices(), frame);
     order_.clear();
     for (const Index v : builder_.vertices())
-      order_.emplace_back(distance_(frame.local_coordinates(surface_->points[v])), v);
+      order_.emplace_back(distance(frame.row_coordinates(surface_->points[v])), v);
     std::sort(order_.begin(), order_.end());
+    double depth = 0;
+    for (auto at = order_.begin(); at != order_.begin() + count; ++at)
+      depth += distance.depth(frame.row_coordinates(surface_->points[at->second]));
+    if (distance.is_round() || depth < least_gain_of_depth * static_cast<double>(count) * distance.mean_depth)
+    {
+      builder_.keep_first(count);
+      return;
+    }
     std::transform(order_.begin(), order_.end(), builder_.vertices().begin(), [](const auto& at) { return at.second; });
     builder_.keep_first(count);
     Point normal = {0, 0, 0};
@@ -241,15 +296,18 @@ private:
   void add_point(Index vertex, const Vertex_fit& frame, int degree)
   {
     const Point& x = surface_->points[vertex];
-    const Point way = subtract(x, frame.origin);
-    const Point local = frame.local_direction(way);
+    const Point straight = frame.local_coordinates(x);
+    if (!frame.rows.reach(straight[1]))
+      return;
+    const auto [along, across] = frame.rows.place(straight[0], straight[1]);
+    const Point local = {along, across, straight[2]};
     const double height = local[2] / frame.size;
     const double weight = weight_of(distance_(local), dot(surface_->normals[vertex], frame.n), degree);
     if (!(weight > 0) || !std::isfinite(weight))
       return;
     solver_.points().add(local[0], local[1], height, weight);
     if (has_normals())
-      add_slope(vertex, local, frame, weight);
+      add_slope(vertex, straight, frame, weight);
     is_planar_ = is_planar_ && !is_off_plane(x, frame);
   }
 
@@ -270,7 +328,11 @@ private:
     // The surface is size * h(s, t) high: n - size (h_s s_axis + h_t t_axis) is across it.
     const double by_s = -dot(normal, frame.s_axis) / (up * frame.size * dot(frame.s_axis, frame.s_axis));
     const double by_t = -dot(normal, frame.t_axis) / (up * frame.size * dot(frame.t_axis, frame.t_axis));
-    solver_.points().add_slope(local[0], local[1], by_s, by_t, weight);
+    const auto [along, across] = frame.rows.place(local[0], local[1]);
+    const Row_circles::Slopes rows = frame.rows.slopes(local[0], local[1]);
+    const double determinant = rows.along_by_s * rows.across_by_t - rows.along_by_t * rows.across_by_s;
+    solver_.points().add_slope(along, across, (by_s * rows.across_by_t - by_t * rows.across_by_s) / determinant,
+                               (by_t * rows.along_by_s - by_s * rows.along_by_t) / determinant, weight);
   }
 
   const Surface_arrays* surface_;
