@@ -1,6 +1,7 @@
 #ifndef RECURVE_SURFACE_INTERNAL_EDGE_DISPLACEMENT_H
 #define RECURVE_SURFACE_INTERNAL_EDGE_DISPLACEMENT_H
 
+#include <recurve/surface/internal/number_pair.h>
 #include <recurve/surface/internal/surface_arrays.h>
 #include <recurve/surface/internal/vector_3.h>
 #include <recurve/surface/vertex_fit.h>
@@ -10,12 +11,30 @@
 
 namespace recurve::internal::surface {
 
+/// Vertex_fit::height() at two places at a time.
+inline Number_pair heights_at(const Vertex_fit& fit, const Number_pair& s, const Number_pair& t)
+{
+  const double* const coefficients = fit.coefficients.data();
+  Number_pair sum = {};
+  for (int j = fit.degree; j >= 0; --j)
+  {
+    Number_pair row = {};
+    // coefficient_number(j, k) - coefficient_number(j, k - 1) = j + k + 1
+    for (int power = fit.degree, i = coefficient_number(j, fit.degree - j); power >= j; i -= power + 1, --power)
+      row = row * t + coefficients[i];
+    sum = sum * s + row;
+  }
+  return fit.size * sum;
+}
+
 /// how far `fit` moves the middle of the straight edge from its vertex to `end`, along its normal, when it is corrected
 /// linearly so as to go through `end`.
 inline double middle_displacement(const Vertex_fit& fit, const Point& end)
 {
   const Point local = fit.local_coordinates(end);
-  return fit.height(0.5 * local[0], 0.5 * local[1]) - 0.5 * fit.height(local[0], local[1]);
+  const Number_pair heights =
+    heights_at(fit, Number_pair{0.5 * local[0], local[0]}, Number_pair{0.5 * local[1], local[1]});
+  return heights[0] - 0.5 * heights[1];
 }
 
 /// the same as the normals of the two vertices tell it: that of the cubic curve across both normals. It is crude (half

@@ -81,7 +81,7 @@ public:
       result.stencil_size = builder_.size();
       Fit_verdict verdict = {Lowering_reason::not_finite, false};
       if (solver_.solve(d, draft_))
-        verdict = Vertex_fit_judge(*surface_, bounds_, solver_, bend, vertex, lower_fits_).judge(d, draft_.fit());
+        verdict = Vertex_fit_judge(*surface_, bounds_, solver_, bend, vertex, judge_memory_).judge(d, draft_.fit());
       if (verdict.is_good)
         return result;
       if (d <= bounds_.degree && !result.reason)
@@ -92,6 +92,10 @@ public:
   }
 
   const Vertex_fit& draft() const { return draft_.fit(); }
+
+  /// how far the draft alone, if it is curved, moves the middle of each edge at its vertex, when it is corrected
+  /// linearly so as to go through the other end. In the order of the neighbours.
+  std::span<const double> displacements() const { return judge_memory_.displacements; }
 
 private:
   /// sets the frame. \return whether the neighbours span a plane.
@@ -244,7 +248,7 @@ private:
   const Policies* policies_;
   Vertex_fit_solver<Policies> solver_;
   Vertex_fit_draft draft_;
-  Lower_fits lower_fits_;
+  Judge_memory judge_memory_;
   Stencil_builder builder_;
   Vertex_fit_bounds bounds_;
   bool has_twins_; ///< some vertices are on several regions
