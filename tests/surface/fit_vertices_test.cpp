@@ -183,6 +183,12 @@ std::vector<Shape> stretched_shapes()
                     distance_to_sphere});
   shapes.push_back({"torus, faces 1:17", grid_torus(200, 12, 2, 0.8, 0, 1),
                     [](const Point& x) { return distance_to_torus(x, 2, 0.8); }});
+  // Long faces in rows that bend: near the top the straight ones are right by accident along some circle.
+  for (const int sides : {14, 16, 20, 32})
+    for (const double tube : {0.3, 0.8, 1.5})
+      shapes.push_back({"torus of " + std::to_string(sides) + " times 100 sides, tube " + std::to_string(tube),
+                        grid_torus(sides, 100, 2, tube, 0, 1),
+                        [=](const Point& x) { return distance_to_torus(x, 2, tube); }});
   const auto add_wing = [&](const std::string& name, const Plane_curve& curve, int chords,
                             const std::function<double(double)>& spacing) {
     const Distance distance = [curve](const Point& x) { return distance_to_curve(curve, x); };
@@ -196,6 +202,10 @@ std::vector<Shape> stretched_shapes()
   const auto even = [](double a) { return a; };
   for (const int chords : {10, 12, 16, 20, 32, 64})
     add_wing("NACA 0012", naca(0.12, 0), chords, even);
+  add_wing("NACA 0012, crowded at the tail", naca(0.12, 0), 130, [](double a) {
+    const double u = 2 * a - 1;
+    return 0.5 + 0.5 * std::copysign(std::pow(std::abs(u), 0.7), u);
+  });
   add_wing("NACA 0024", naca(0.24, 0), 14, even);
   add_wing("NACA 4412", naca(0.12, 0.04), 12, even);
   add_wing("Joukowski", joukowski(), 24, even);
@@ -589,6 +599,60 @@ TEST_CASE("curvatures of vertex fits", "[fit_vertices]")
     const Point n = fit.normal(0, 0);
     CHECK(norm({n[0] - fit.origin[0], n[1] - fit.origin[1], n[2] - fit.origin[2]}) < 1e-5);
   }
+}
+
+TEST_CASE("coordinates along and across circles", "[fit_vertices]")
+{
+  constexpr double step = 1e-6;
+  for (const double radius : {-0.7, 0.5, 3.0, 1e6})
+    for (const double unit : {1.0, 0.01}) // of t; that of s is 1
+    {
+      const Row_circles rows = {1 / radius, unit / radius};
+      CAPTURE(radius, unit);
+      for (const double along : {-0.4, 0.0, 0.3})
+        for (const double out : {-0.1, 0.2})
+        {
+          // a point of the circle of radius `radius` + `out`
+          const double a = along / radius, r = radius + out;
+          const double s = r * std::sin(a), t = (out - r * 2 * std::pow(std::sin(a / 2), 2)) / unit;
+          REQUIRE(rows.reach(t));
+          CHECK(rows.place(s, t).along == Approx(along).margin(1e-14));
+          CHECK(rows.place(s, t).across == Approx(out / unit).epsilon(1e-9));
+          const Row_circles::Slopes slopes = rows.slopes(s, t);
+          const auto slope = [&](double ds, double dt, auto coordinate) {
+            return (rows.place(s + ds, t + dt).*coordinate - rows.place(s - ds, t - dt).*coordinate) / (2 * step);
+          };
+          CHECK(slopes.along_by_s == Approx(slope(step, 0, &Row_circles::Place::along)).margin(1e-7));
+          CHECK(slopes.along_by_t == Approx(slope(0, step, &Row_circles::Place::along)).margin(1e-7));
+          CHECK(slopes.across_by_s == Approx(slope(step, 0, &Row_circles::Place::across)).margin(1e-7));
+          CHECK(slopes.across_by_t == Approx(slope(0, step, &Row_circles::Place::across)).margin(1e-7));
+        }
+    }
+  CHECK(Row_circles().place(2, 3).along == 2);
+  CHECK(Row_circles().place(2, 3).across == 3);
+}
+
+TEST_CASE("curvatures where rows of long faces bend", "[fit_vertices]")
+{
+  constexpr double ring = 2, tube = 0.3;
+  std::array<double, 2> errors = {};
+  for (std::size_t i = 0; i < errors.size(); ++i)
+  {
+    const Mesh mesh = make_mesh(grid_torus(i == 0 ? 24 : 48, i == 0 ? 100 : 200, ring, tube, 0, 1));
+    const Vertex_fits<Mesh> fits = fit_vertices(mesh, {.degree = 2});
+    int bent = 0;
+    for (const Vertex_fit& fit : fits.all())
+    {
+      bent += !fit.rows.are_straight();
+      const double out = std::hypot(fit.origin[0], fit.origin[1]) - ring; // of the tube's centre
+      const auto [largest, smallest] = fit.principal_curvatures();
+      errors[i] = std::max({errors[i], std::abs(largest - 1 / tube), std::abs(smallest - out / tube / (ring + out))});
+    }
+    CHECK(bent > 0);
+  }
+  CAPTURE(errors[0], errors[1]);
+  CHECK(errors[0] < 0.01 / tube);
+  CHECK(errors[1] < errors[0] / 4); // the points have rate d + 1 = 3 at least, and four in practice: two less
 }
 
 TEST_CASE("copies of fits outlive what they were copied from", "[fit_vertices]")

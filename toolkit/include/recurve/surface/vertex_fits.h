@@ -10,7 +10,10 @@
 #include <CGAL/boost/graph/properties.h>
 #include <boost/graph/graph_traits.hpp>
 #include <boost/property_map/property_map.hpp>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <span>
@@ -55,7 +58,7 @@ public:
   };
 
   /// \param fits  one per vertex of `surface`.
-  Vertex_fits(const Graph& g, const internal::surface::Surface_arrays& surface,
+  Vertex_fits(const Graph& g, internal::surface::Surface_arrays&& surface,
               std::shared_ptr<const internal::surface::Vertex_fit_store> fits);
 
   Face_map face_map() const { return {this}; }
@@ -105,29 +108,21 @@ private:
 };
 
 template <class Graph>
-Vertex_fits<Graph>::Vertex_fits(const Graph& g, const internal::surface::Surface_arrays& surface,
+Vertex_fits<Graph>::Vertex_fits(const Graph& g, internal::surface::Surface_arrays&& surface,
                                 std::shared_ptr<const internal::surface::Vertex_fit_store> fits)
-  : graph_(&g), face_numbers_(get(CGAL::dynamic_face_property_t<Index>(), g)), face_first_(surface.face_first),
-    fits_(std::move(fits))
+  : graph_(&g), face_numbers_(get(CGAL::dynamic_face_property_t<Index>(), g)),
+    face_first_(std::move(surface.face_first)), vertices_(std::move(surface.corner_vertices)), fits_(std::move(fits))
 {
-  const auto vertex_numbers = get(CGAL::dynamic_vertex_property_t<Index>(), g);
   Index number = 0;
-  for (const auto v : vertices(g))
-    put(vertex_numbers, v, number++);
-  vertices_.resize(surface.corner_vertices.size());
-  number = 0;
   for (const auto f : faces(g))
-  {
-    put(face_numbers_, f, number);
-    const auto corners = surface.corners_of_face(number);
-    const Index start = get(vertex_numbers, source(halfedge(f, g), g));
-    std::size_t offset = 0;
-    while (surface.original_vertices[corners[offset]] != start)
-      ++offset;
-    for (std::size_t i = 0; i < corners.size(); ++i)
-      vertices_[face_first_[number] + static_cast<Index>(i)] = corners[(offset + i) % corners.size()];
-    ++number;
-  }
+    put(face_numbers_, f, number++);
+  tbb::parallel_for(tbb::blocked_range<Index>(0, number, 1024), [&](const tbb::blocked_range<Index>& range) {
+    for (Index f = range.begin(); f < range.end(); ++f)
+    {
+      const auto first = vertices_.begin() + face_first_[f];
+      std::rotate(first, first + surface.graph_corners[f], vertices_.begin() + face_first_[f + 1]);
+    }
+  });
 }
 
 } // namespace recurve

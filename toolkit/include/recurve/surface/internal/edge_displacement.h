@@ -1,6 +1,7 @@
 #ifndef RECURVE_SURFACE_INTERNAL_EDGE_DISPLACEMENT_H
 #define RECURVE_SURFACE_INTERNAL_EDGE_DISPLACEMENT_H
 
+#include <recurve/surface/internal/number_pair.h>
 #include <recurve/surface/internal/surface_arrays.h>
 #include <recurve/surface/internal/vector_3.h>
 #include <recurve/surface/vertex_fit.h>
@@ -10,13 +11,32 @@
 
 namespace recurve::internal::surface {
 
+/// Vertex_fit::height() at two places at a time, given along and across the rows.
+inline Number_pair heights_at(const Vertex_fit& fit, const Number_pair& s, const Number_pair& t)
+{
+  const double* const coefficients = fit.coefficients.data();
+  Number_pair sum = {};
+  for (int j = fit.degree; j >= 0; --j)
+  {
+    Number_pair row = {};
+    // coefficient_number(j, k) - coefficient_number(j, k - 1) = j + k + 1
+    for (int power = fit.degree, i = coefficient_number(j, fit.degree - j); power >= j; i -= power + 1, --power)
+      row = row * t + coefficients[i];
+    sum = sum * s + row;
+  }
+  return fit.size * sum;
+}
+
 /// how far `fit` moves the middle of the straight edge from its vertex to `end`, along the normal of its vertex, when
 /// corrected linearly so as to go through `end`.
 inline double middle_displacement(const Vertex_fit& fit, const Point& end)
 {
   const Point local = fit.local_coordinates(end);
-  const double height = fit.height(0.5 * local[0], 0.5 * local[1]) - 0.5 * fit.height(local[0], local[1]);
-  return dot(fit.n, fit.vertex_normal) * height;
+  const Row_circles::Place middle = fit.rows.place(0.5 * local[0], 0.5 * local[1]);
+  const Row_circles::Place there = fit.rows.place(local[0], local[1]);
+  const Number_pair heights =
+    heights_at(fit, Number_pair{middle.along, there.along}, Number_pair{middle.across, there.across});
+  return dot(fit.n, fit.vertex_normal) * (heights[0] - 0.5 * heights[1]);
 }
 
 /// the same as the normals of the two vertices tell it: that of the cubic curve across both normals. It is crude (half

@@ -25,6 +25,17 @@
 
 namespace recurve::internal::surface {
 
+/// What became of one vertex in the end, for the report.
+struct Vertex_outcome
+{
+  std::int32_t stencil_size = 0;
+  std::int8_t degree = 0;
+  Vertex_fit_state state = Vertex_fit_state::none;
+  Lowering_reason reason = Lowering_reason::undetermined;
+
+  bool counts() const { return state == Vertex_fit_state::curved || state == Vertex_fit_state::flat; }
+};
+
 /// All vertex fits of a surface: fits them, compares the two fits at the ends of each edge and fits again, with a lower
 /// degree, where they disagree.
 template <class Policies>
@@ -34,8 +45,7 @@ public:
   All_vertex_fits(const Surface_arrays& surface, const Policies& policies, const Vertex_fit_bounds& bounds)
     : surface_(surface), bounds_(bounds),
       fitters_([&surface, &policies, bounds] { return Vertex_fitter<Policies>(surface, policies, bounds); }),
-      fits_(std::make_shared<Vertex_fit_store>(surface.points.size())), stencil_sizes_(surface.points.size(), 0),
-      reasons_(surface.points.size(), Lowering_reason::undetermined),
+      fits_(std::make_shared<Vertex_fit_store>(surface.points.size())), outcomes_(surface.points.size()),
       degrees_(surface.points.size(), static_cast<std::int8_t>(bounds.degree_at_rim)),
       displacements_(std::make_unique_for_overwrite<double[]>(surface.neighbors.size()))
   {}
@@ -59,8 +69,7 @@ public:
 
   /// shared with those who keep the fits.
   std::shared_ptr<const Vertex_fit_store> fits() const { return fits_; }
-  const std::vector<Lowering_reason>& reasons() const { return reasons_; }
-  const std::vector<std::int32_t>& stencil_sizes() const { return stencil_sizes_; }
+  std::span<const Vertex_outcome> outcomes() const { return outcomes_; }
 
 private:
   static constexpr Index vertices_per_block = 65536; ///< between two reports of progress
@@ -79,50 +88,50 @@ private:
     Index operator[](Index i) const { return list[static_cast<std::size_t>(i)]; }
   };
 
-  template <class Vertices, class Work>
-  static void for_each(const Vertices& vertices, const Work& work)
+  /// calls `work` with the first and the end of each range of numbers up to `count`.
+  template <class Work>
+  static void for_ranges(Index count, const Work& work)
   {
-    tbb::parallel_for(tbb::blocked_range<Index>(0, vertices.size(), 64), [&](const tbb::blocked_range<Index>& range) {
-      for (Index i = range.begin(); i < range.end(); ++i)
-        work(vertices[i], i);
-    });
+    tbb::parallel_for(tbb::blocked_range<Index>(0, count, 64),
+                      [&](const tbb::blocked_range<Index>& range) { work(range.begin(), range.end()); });
   }
 
   template <class Vertices>
   void fit(const Vertices& vertices)
   {
-    for_each(vertices, [this](Index v, Index) {
+    for_ranges(vertices.size(), [&](Index first, Index end) {
       Vertex_fitter<Policies>& fitter = fitters_.local();
-      const Vertex_result result = fitter.fit(v, degrees_[v]);
-      fits_->set(v, fitter.draft());
-      stencil_sizes_[v] = static_cast<std::int32_t>(result.stencil_size);
-      if (degrees_[v] >= bounds_.degree && result.reason)
-        reasons_[v] = *result.reason; // the reason of the first lowering stands
-      set_displacements(v, fitter.draft());
+      Coefficient_room& room = fits_->room();
+      for (Index i = first; i < end; ++i)
+        fit(vertices[i], fitter, room);
     });
   }
 
-  /// how far the fit of `v` alone moves the middle of each edge at `v`, when it is corrected linearly so as to go
-  /// through the other end.
-  void set_displacements(Index v, const Vertex_fit& fit)
+  void fit(Index v, Vertex_fitter<Policies>& fitter, Coefficient_room& room)
   {
-    for (Index i = surface_.neighbor_first[v]; i < surface_.neighbor_first[v + 1]; ++i)
-    {
-      displacements_[i] = 0;
-      if (fit.state == Vertex_fit_state::curved)
-        displacements_[i] = middle_displacement(fit, surface_.points[surface_.neighbors[i]]);
-    }
+    const Vertex_result result = fitter.fit(v, degrees_[v]);
+    fits_->set(v, fitter.draft(), room);
+    Vertex_outcome& outcome = outcomes_[static_cast<std::size_t>(v)];
+    outcome.stencil_size = static_cast<std::int32_t>(result.stencil_size);
+    outcome.degree = static_cast<std::int8_t>(fitter.draft().degree);
+    outcome.state = fitter.draft().state;
+    if (degrees_[v] >= bounds_.degree && result.reason)
+      outcome.reason = *result.reason; // that of the first lowering stands
+    double* const displacements = displacements_.get() + surface_.neighbor_first[v];
+    if (fitter.draft().state == Vertex_fit_state::curved)
+      std::copy(fitter.displacements().begin(), fitter.displacements().end(), displacements);
+    else
+      std::fill_n(displacements, surface_.neighbors_of(v).size(), std::numeric_limits<double>::quiet_NaN());
   }
 
-  /// the displacement of the same edge from its other end; not a number if that has no fit.
+  /// the displacement of the same edge from its other end; not a number if that has no curved fit.
   double opposite_displacement(Index v, Index neighbor) const
   {
-    const auto first = surface_.neighbors.begin() + surface_.neighbor_first[neighbor];
-    const auto last = surface_.neighbors.begin() + surface_.neighbor_first[neighbor + 1];
-    const auto place = std::lower_bound(first, last, v);
-    if (place == last || *place != v)
+    const std::span<const Index> neighbors = surface_.neighbors_of(neighbor);
+    const auto place = std::find(neighbors.begin(), neighbors.end(), v);
+    if (place == neighbors.end())
       return std::numeric_limits<double>::quiet_NaN();
-    return displacements_[static_cast<std::size_t>(place - surface_.neighbors.begin())];
+    return displacements_[static_cast<std::size_t>(surface_.neighbor_first[neighbor] + (place - neighbors.begin()))];
   }
 
   /// lowers the wanted degree of the vertices of `candidates` whose fits are poor. \return them.
@@ -130,7 +139,10 @@ private:
   std::vector<Index> find_poor_fits(const Vertices& candidates)
   {
     std::vector<std::int8_t> degrees(static_cast<std::size_t>(candidates.size()));
-    for_each(candidates, [&](Index v, Index i) { degrees[static_cast<std::size_t>(i)] = degree_wanted(v); });
+    for_ranges(candidates.size(), [&](Index first, Index end) {
+      for (Index i = first; i < end; ++i)
+        degrees[static_cast<std::size_t>(i)] = degree_wanted(candidates[i]);
+    });
     std::vector<Index> poor;
     for (Index i = 0; i < candidates.size(); ++i)
       if (degrees[static_cast<std::size_t>(i)] < degrees_[candidates[i]])
@@ -145,21 +157,19 @@ private:
   /// normals tell.
   std::int8_t degree_wanted(Index v)
   {
-    const Vertex_fit& fit = (*fits_)[v];
-    if (fit.state != Vertex_fit_state::curved || fit.degree <= 2)
+    Vertex_outcome& outcome = outcomes_[static_cast<std::size_t>(v)];
+    if (outcome.state != Vertex_fit_state::curved || outcome.degree <= 2)
       return degrees_[v]; // a parabola is as harmless as fits are
     Estimated_bend bend;
     for (Index i = surface_.neighbor_first[v]; i < surface_.neighbor_first[v + 1]; ++i)
     {
       const Index neighbor = surface_.neighbors[i];
-      if ((*fits_)[neighbor].state != Vertex_fit_state::curved)
-        continue;
       const double own = displacements_[i];
       const double others = opposite_displacement(v, neighbor);
       const double difference = std::abs(own - others);
       if (!(difference > bounds_.largest_disagreement * std::max(std::abs(own), std::abs(others))))
         continue;
-      const double edge_length = length(subtract(surface_.points[neighbor], fit.origin));
+      const double edge_length = length(subtract(surface_.points[neighbor], surface_.points[v]));
       if (bend.longest_edge == 0) // not known yet
         bend = estimated_bend(surface_, v);
       const double estimate = estimated_displacement(surface_, v, neighbor);
@@ -167,8 +177,8 @@ private:
           std::abs(own - estimate) >= std::abs(others - estimate))
       {
         if (degrees_[v] >= bounds_.degree)
-          reasons_[v] = Lowering_reason::disagreement;
-        return static_cast<std::int8_t>((fit.degree - 1) / 2 * 2);
+          outcome.reason = Lowering_reason::disagreement;
+        return static_cast<std::int8_t>((outcome.degree - 1) / 2 * 2);
       }
     }
     return degrees_[v];
@@ -192,10 +202,9 @@ private:
   Vertex_fit_bounds bounds_;
   tbb::enumerable_thread_specific<Vertex_fitter<Policies>> fitters_;
   std::shared_ptr<Vertex_fit_store> fits_;
-  std::vector<std::int32_t> stencil_sizes_;
-  std::vector<Lowering_reason> reasons_;
+  std::vector<Vertex_outcome> outcomes_;
   std::vector<std::int8_t> degrees_;        ///< asked for
-  std::unique_ptr<double[]> displacements_; ///< per entry of Surface_arrays::neighbors
+  std::unique_ptr<double[]> displacements_; ///< per entry of Surface_arrays::neighbors; see Vertex_fitter
 };
 
 /// the caller's normals as data. On a rim there are none: what was computed there is a mean over few faces.
@@ -212,11 +221,9 @@ inline std::vector<Point> normals_off_rims(const Surface_arrays& surface)
 class Face_reporter
 {
 public:
-  Face_reporter(const Surface_arrays& surface, const Vertex_fit_store& fits,
-                const std::vector<Lowering_reason>& reasons, const std::vector<std::int32_t>& stencil_sizes, int degree,
+  Face_reporter(const Surface_arrays& surface, std::span<const Vertex_outcome> outcomes, int degree,
                 int polynomial_degree)
-    : surface_(surface), fits_(fits), reasons_(reasons), stencil_sizes_(stencil_sizes), degree_(degree),
-      polynomial_degree_(polynomial_degree)
+    : surface_(surface), outcomes_(outcomes), degree_(degree), polynomial_degree_(polynomial_degree)
   {}
 
   Reconstruction_report report() const
@@ -249,38 +256,34 @@ private:
     return first;
   }
 
-  static bool counts(const Vertex_fit& fit)
-  {
-    return fit.state == Vertex_fit_state::curved || fit.state == Vertex_fit_state::flat;
-  }
+  const Vertex_outcome& at(Index v) const { return outcomes_[static_cast<std::size_t>(v)]; }
 
   void add_vertex(Index v, Reconstruction_report& report) const
   {
-    report.fits += fits_[v].state == Vertex_fit_state::curved ? 1 : 0;
-    report.reduced_fits += counts(fits_[v]) && fits_[v].degree < polynomial_degree_ ? 1 : 0;
-    report.stencil_vertices += fits_[v].state == Vertex_fit_state::curved ? stencil_sizes_[v] : 0;
+    const bool is_curved = at(v).state == Vertex_fit_state::curved;
+    report.fits += is_curved ? 1 : 0;
+    report.reduced_fits += at(v).counts() && at(v).degree < polynomial_degree_ ? 1 : 0;
+    report.stencil_vertices += is_curved ? at(v).stencil_size : 0;
   }
 
   void add_face(Index face, Reconstruction_report& report) const
   {
     const auto corners = surface_.corners_of_face(face);
-    const auto lower = [&](Index a, Index b) {
-      return counts(fits_[a]) != counts(fits_[b]) ? counts(fits_[a]) : fits_[a].degree < fits_[b].degree;
+    const auto is_lower = [this](Index a, Index b) {
+      return at(a).counts() != at(b).counts() ? at(a).counts() : at(a).degree < at(b).degree;
     };
-    const Index lowest = *std::min_element(corners.begin(), corners.end(), lower);
-    const bool is_planar = std::all_of(corners.begin(), corners.end(), [&](Index v) {
-      return fits_[v].state == Vertex_fit_state::planar || fits_[v].state == Vertex_fit_state::none;
-    });
+    const Vertex_outcome& lowest = at(*std::min_element(corners.begin(), corners.end(), is_lower));
+    const bool is_planar = std::all_of(corners.begin(), corners.end(), [this](Index v) { return !at(v).counts(); });
     const bool has_normal = surface_.face_normals[face] != Point{0, 0, 0};
-    const int found = std::min(degree_, counts(fits_[lowest]) ? static_cast<int>(fits_[lowest].degree) : 0);
+    const int found = std::min(degree_, lowest.counts() ? static_cast<int>(lowest.degree) : 0);
     ++report.faces;
     ++report.faces_of_degree[static_cast<std::size_t>(found)];
     if (is_planar && has_normal)
       ++report.planar_faces;
-    else if (found < degree_ && counts(fits_[lowest]))
+    else if (found < degree_ && lowest.counts())
     {
       ++report.lowered_faces;
-      report.lowerings.push_back({face, found, reasons_[lowest]});
+      report.lowerings.push_back({face, found, lowest.reason});
     }
     else if (is_planar)
     {
@@ -290,9 +293,7 @@ private:
   }
 
   const Surface_arrays& surface_;
-  const Vertex_fit_store& fits_;
-  const std::vector<Lowering_reason>& reasons_;
-  const std::vector<std::int32_t>& stencil_sizes_;
+  std::span<const Vertex_outcome> outcomes_;
   int degree_;
   int polynomial_degree_;
 };

@@ -1,6 +1,7 @@
 #ifndef RECURVE_SURFACE_INTERNAL_LEAST_SQUARES_H
 #define RECURVE_SURFACE_INTERNAL_LEAST_SQUARES_H
 
+#include <recurve/surface/internal/number_pair.h>
 #include <recurve/surface/local_fit.h>
 #include <recurve/surface/vertex_fit.h>
 #include <recurve/surface/weighted_points.h>
@@ -13,7 +14,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <limits>
 #include <span>
 #include <vector>
@@ -21,21 +21,6 @@
 namespace recurve::internal::surface {
 
 inline constexpr int max_columns = coefficient_count(max_vertex_fit_degree);
-
-/// Two numbers that the processor handles at a time.
-using Number_pair [[gnu::vector_size(2 * sizeof(double))]] = double;
-
-inline Number_pair load_pair(const double* values)
-{
-  Number_pair pair;
-  std::memcpy(&pair, values, sizeof(pair));
-  return pair;
-}
-
-inline void store_pair(const Number_pair& pair, double* values)
-{
-  std::memcpy(values, &pair, sizeof(pair));
-}
 
 /// The weighted equations of one fit, column by column; an odd number of rows is followed by one of zeros. Memory is
 /// kept from fit to fit.

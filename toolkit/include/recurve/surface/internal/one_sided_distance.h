@@ -18,19 +18,19 @@ struct One_sided_distance
 {
   double s = 1, t = 0;     ///< unit vector away from the rim, in the coordinates of the fit
   double depth_factor = 1; ///< over which ways in that direction are divided
-  double mean_depth = 0;   ///< way of the mean of the points in that direction
 
   bool is_round() const { return depth_factor == 1; }
 
   double depth(const Point& local) const { return local[0] * s + local[1] * t; }
 
+  double width(const Point& local) const { return local[1] * s - local[0] * t; }
+
   double operator()(const Point& local) const
   {
     if (is_round())
       return std::sqrt(local[0] * local[0] + local[1] * local[1]);
-    const double width = local[1] * s - local[0] * t;
     const double shortened = depth(local) / depth_factor;
-    return std::sqrt(shortened * shortened + width * width);
+    return std::sqrt(shortened * shortened + width(local) * width(local));
   }
 };
 
@@ -54,7 +54,7 @@ inline One_sided_distance one_sided_distance(const Surface_arrays& surface, std:
   const double count = static_cast<double>(vertices.size());
   if (!(norm > least_offset * std::sqrt(count * square)))
     return {};
-  return {s / norm, t / norm, depth_factor, norm / count};
+  return {s / norm, t / norm, depth_factor};
 }
 
 } // namespace recurve::internal::surface

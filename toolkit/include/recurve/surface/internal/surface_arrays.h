@@ -36,8 +36,9 @@ struct Surface_arrays
   std::vector<Index> vertex_corners;    ///< ascending for each vertex
 
   // per face
-  std::vector<Index> face_first;   ///< first corner; one entry more than faces
-  std::vector<Point> face_normals; ///< unit, or zero
+  std::vector<Index> face_first;           ///< first corner; one entry more than faces
+  std::vector<Point> face_normals;         ///< unit, or zero
+  std::vector<std::int32_t> graph_corners; ///< which of its corners is source(halfedge(f, g))
 
   // per corner
   std::vector<Index> corner_vertices;

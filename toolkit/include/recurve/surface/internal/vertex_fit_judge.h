@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
+#include <vector>
 
 namespace recurve::internal::surface {
 
@@ -69,10 +70,11 @@ struct Fit_verdict
   bool is_good = true;
 };
 
-/// Memory for the fits of lower degrees that a fit is compared with.
-struct Lower_fits
+/// Memory of a judge.
+struct Judge_memory
 {
-  Vertex_fit_draft lower, lowest;
+  Vertex_fit_draft lower, lowest;    ///< fits of lower degrees that a fit is compared with
+  std::vector<double> displacements; ///< of the middles of the edges by the fit, one per neighbour if it is good
 };
 
 /// Judges the fits of one vertex by what they do to the middles of its edges, right after they were solved for.
@@ -81,8 +83,8 @@ class Vertex_fit_judge
 {
 public:
   Vertex_fit_judge(const Surface_arrays& surface, const Vertex_fit_bounds& bounds, const Solver& solver,
-                   const Estimated_bend& bend, Index vertex, Lower_fits& drafts)
-    : surface_(surface), bounds_(bounds), solver_(solver), bend_(bend), drafts_(drafts), vertex_(vertex),
+                   const Estimated_bend& bend, Index vertex, Judge_memory& memory)
+    : surface_(surface), bounds_(bounds), solver_(solver), bend_(bend), memory_(memory), vertex_(vertex),
       neighbors_(surface.neighbors_of(vertex))
   {}
 
@@ -90,17 +92,19 @@ public:
   /// agree with the fit of two degrees less: a series that converges does.
   Fit_verdict judge(int degree, const Vertex_fit& fit) const
   {
+    memory_.displacements.clear();
     if (degree <= 2)
       return judge_parabola(fit);
     if ((degree >= high_degree || degree > bounds_.degree) && !is_resolved(degree, fit))
       return {Lowering_reason::disagreement, false};
-    Vertex_fit_draft& lower = drafts_.lower;
+    Vertex_fit_draft& lower = memory_.lower;
     bool has_lower = false;
     for (const Index neighbor : neighbors_)
     {
       const Point& end = surface_.points[neighbor];
       const double edge_length = length(subtract(end, fit.origin));
       const double own = middle_displacement(fit, end);
+      memory_.displacements.push_back(own);
       if (!(std::abs(own) <= bounds_.largest_displacement * edge_length))
         return {Lowering_reason::displacement, false};
       const double estimate = estimated_displacement(surface_, vertex_, neighbor);
@@ -138,9 +142,10 @@ private:
     {
       const Point& end = surface_.points[neighbor];
       const double edge_length = length(subtract(end, fit.origin));
+      memory_.displacements.push_back(middle_displacement(fit, end));
       if (!(edge_length > 0))
         continue;
-      const double own = middle_displacement(fit, end) / edge_length;
+      const double own = memory_.displacements.back() / edge_length;
       if (!(std::abs(own) <= bounds_.largest_displacement))
         return {Lowering_reason::displacement, false};
       const double estimate = estimated_displacement(surface_, vertex_, neighbor) / edge_length;
@@ -176,7 +181,7 @@ private:
   /// `fit`.
   bool is_resolved(int degree, const Vertex_fit& fit) const
   {
-    Vertex_fit_draft& lower = drafts_.lower;
+    Vertex_fit_draft& lower = memory_.lower;
     if (degree <= bounds_.degree)
     {
       if (!solve_next_lower(degree, fit, lower))
@@ -184,7 +189,7 @@ private:
       const Change last = change(lower.fit(), fit);
       return last.largest <= resolved_change * last.bend;
     }
-    Vertex_fit_draft& lowest = drafts_.lowest;
+    Vertex_fit_draft& lowest = memory_.lowest;
     lower.set_flat(fit, Vertex_fit_state::flat);
     lowest.set_flat(fit, Vertex_fit_state::flat);
     if (degree < 5 || !solver_.solve_lower(degree - 2, lower) || !solver_.solve_lower(degree - 4, lowest) ||
@@ -236,7 +241,7 @@ private:
   const Vertex_fit_bounds& bounds_;
   const Solver& solver_;
   const Estimated_bend& bend_;
-  Lower_fits& drafts_;
+  Judge_memory& memory_;
   Index vertex_;
   std::span<const Index> neighbors_;
 };

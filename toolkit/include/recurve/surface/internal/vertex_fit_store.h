@@ -48,11 +48,14 @@ public:
     : fits_(std::allocator<Vertex_fit>().allocate(count), Deallocate{count}), count_(count)
   {}
 
+  /// that of the calling thread.
+  Coefficient_room& room() { return rooms_.local(); }
+
   /// Several threads may set fits of different vertices. A fit that is set again takes new room: these are few.
-  void set(Index vertex, const Vertex_fit& fit)
+  void set(Index vertex, const Vertex_fit& fit, Coefficient_room& room)
   {
     Vertex_fit* const place = std::construct_at(fits_.get() + vertex, fit);
-    place->coefficients = fit.degree > 0 ? rooms_.local().keep(fit.coefficients) : flat_coefficients();
+    place->coefficients = fit.degree > 0 ? room.keep(fit.coefficients) : flat_coefficients();
   }
 
   const Vertex_fit& operator[](Index vertex) const { return fits_.get()[vertex]; }

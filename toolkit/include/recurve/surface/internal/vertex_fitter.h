@@ -40,9 +40,9 @@ struct Vertex_result
 /// Spread of the neighbours of a vertex, the smaller over the larger, below which they count as a line.
 inline constexpr double least_spread_ratio = 1e-8;
 
-/// How many times deeper, in the mean, a stencil at a rim must become where it may: at a straight rim of a wide surface
-/// it is 1.4.
-inline constexpr double least_gain_of_depth = 1.07;
+/// Cosine between the normal of the vertex and the mean of the points', below which a plane across the latter is
+/// better.
+inline constexpr double greatest_cosine_of_tilt = 0.99;
 
 /// Spread of the neighbours along a row over that across it, from which on the row may bend by more than its width.
 inline constexpr double least_ratio_of_rows = 1.5;
@@ -92,7 +92,7 @@ public:
       draft_.set_flat(frame, Vertex_fit_state::flat);
       Fit_verdict verdict = {Lowering_reason::not_finite, false};
       if (solver_.solve(d, draft_))
-        verdict = Vertex_fit_judge(*surface_, bounds_, solver_, bend, vertex, lower_fits_).judge(d, draft_.fit());
+        verdict = Vertex_fit_judge(*surface_, bounds_, solver_, bend, vertex, judge_memory_).judge(d, draft_.fit());
       if (verdict.is_good)
         return result;
       if (d <= bounds_.degree && !result.reason)
@@ -103,6 +103,10 @@ public:
   }
 
   const Vertex_fit& draft() const { return draft_.fit(); }
+
+  /// how far the draft alone, if it is curved, moves the middle of each edge at its vertex, when it is corrected
+  /// linearly so as to go through the other end. In the order of the neighbours.
+  std::span<const double> displacements() const { return judge_memory_.displacements; }
 
 private:
   /// sets the frame over the plane across `n`. \return whether the neighbours span a plane.
@@ -222,9 +226,11 @@ private:
       return inside;
     const int raised = is_next_to_rim(vertex) ? degree : std::min(degree, bounds_.degree + degrees_more_near_rim);
     gather_points(vertex, frame, raised);
-    if (builder_.equations() >= coefficient_count(raised))
+    // A strip has too few rows for more; and where rows are few and the same for all columns, solvers leave out the
+    // terms that they do not determine only if these are in no way blurred.
+    if (builder_.equations() >= coefficient_count(raised) && !is_strip_)
       return raised;
-    gather_points(vertex, frame, inside); // a small region
+    gather_points(vertex, frame, inside);
     return inside;
   }
 
@@ -244,6 +250,7 @@ private:
     builder_.start_at_vertex(vertex);
     policies_->stencil(builder_, degree);
     distance_ = {};
+    is_strip_ = false;
     if (degree > bounds_.degree)
       reach_inwards(vertex, frame);
     const std::span<Index> vertices = builder_.vertices();
@@ -260,8 +267,8 @@ private:
   }
 
   /// for a fit whose points lie on one side: takes points farther from the rim in exchange for those farthest along
-  /// it, if there are any, as there are not in a strip; and puts the plane across the mean of their normals, since over
-  /// that of the vertex, at their edge, they may be steep.
+  /// it, and puts the plane across the mean of their normals, since over that of the vertex, at their edge, they may be
+  /// steep. Sets is_strip_.
   void reach_inwards(Index vertex, Vertex_fit& frame)
   {
     const Index count = builder_.size();
@@ -271,26 +278,36 @@ private:
       before = builder_.size();
       builder_.add_ring();
     }
+    const std::span<Index> vertices = builder_.vertices();
     order_.clear();
-    for (const Index v : builder_.vertices())
+    for (const Index v : vertices)
       order_.emplace_back(distance(frame.row_coordinates(surface_->points[v])), v);
     std::sort(order_.begin(), order_.end());
-    double depth = 0;
-    for (auto at = order_.begin(); at != order_.begin() + count; ++at)
-      depth += distance.depth(frame.row_coordinates(surface_->points[at->second]));
-    if (distance.is_round() || depth < least_gain_of_depth * static_cast<double>(count) * distance.mean_depth)
-    {
-      builder_.keep_first(count);
-      return;
-    }
-    std::transform(order_.begin(), order_.end(), builder_.vertices().begin(), [](const auto& at) { return at.second; });
+    std::transform(order_.begin(), order_.end(), vertices.begin(), [](const auto& at) { return at.second; });
     builder_.keep_first(count);
+    is_strip_ = has_rim_ahead(distance, frame);
     Point normal = {0, 0, 0};
     for (const Index v : builder_.vertices())
       normal = add(normal, surface_->normals[v]);
-    if (!set_axes(vertex, normalized(normal), frame))
+    normal = normalized(normal);
+    if (dot(normal, frame.vertex_normal) < greatest_cosine_of_tilt && !set_axes(vertex, normal, frame))
       set_axes(vertex, frame.vertex_normal, frame);
     distance_ = one_sided_distance(*surface_, builder_.vertices(), frame);
+  }
+
+  /// whether the stencil ends at another rim straight ahead, seen from the one at its other side.
+  bool has_rim_ahead(const One_sided_distance& distance, const Vertex_fit& frame)
+  {
+    constexpr double least_slope = 2; // depth over width
+    const std::span<const Index> vertices = builder_.vertices();
+    double mean_depth = 0;
+    for (const Index v : vertices)
+      mean_depth += distance.depth(frame.row_coordinates(surface_->points[v])) / static_cast<double>(vertices.size());
+    return !distance.is_round() && std::any_of(vertices.begin(), vertices.end(), [&](Index v) {
+      const Point local = frame.row_coordinates(surface_->points[v]);
+      const double depth = distance.depth(local);
+      return surface_->is_rim[v] && depth > mean_depth && depth > least_slope * std::abs(distance.width(local));
+    });
   }
 
   void add_point(Index vertex, const Vertex_fit& frame, int degree)
@@ -339,11 +356,12 @@ private:
   const Policies* policies_;
   Vertex_fit_solver<Policies> solver_;
   Vertex_fit_draft draft_;
-  Lower_fits lower_fits_;
+  Judge_memory judge_memory_;
   Stencil_builder builder_;
   Vertex_fit_bounds bounds_;
   bool has_twins_; ///< some vertices are on several regions
   bool is_planar_ = false;
+  bool is_strip_ = false;                       ///< the stencil that was gathered last goes from rim to rim
   One_sided_distance distance_;                 ///< of the points that were gathered last
   std::vector<std::pair<double, Index>> order_; ///< scratch: distance, vertex
   double slope_noise_ = 0; ///< tilt of the normal by the resolution of the points, per unit of that resolution
