@@ -601,6 +601,51 @@ TEST_CASE("curvatures of vertex fits", "[fit_vertices]")
   }
 }
 
+TEST_CASE("regular meshes with rims get the same fits wherever they are", "[fit_vertices]")
+{
+  // Their points are equally far in pairs: round-off must not choose between these.
+  const auto radius = [](double b) { return 1 + 0.1 * std::sin(5 * b); };
+  const auto height = [](double x, double y) { return 0.3 * std::cos(2 * x - 1) * std::cos(2 * y - 1); };
+  const std::vector<Shape> shapes = {
+    {"revolved",
+     mapped_grid(24, 24, true,
+                 [=](double a, double b) {
+                   const Point x = on_cylinder(a, 6 * b);
+                   return Point{radius(b) * x[0], radius(b) * x[1], x[2]};
+                 }),
+     [=](const Point& x) { return std::abs(std::hypot(x[0], x[1]) - radius(x[2] / 6)); }},
+    {"square patch", grid(24, 24, 1, 1, height), [=](const Point& x) { return std::abs(x[2] - height(x[0], x[1])); }},
+    {"torus", grid_torus(16, 48, 2, 0.5, 0, 1), [](const Point& x) { return distance_to_torus(x, 2, 0.5); }}};
+  constexpr Point shift = {0.123, 0.7, -0.31};
+  for (const Shape& shape : shapes)
+  {
+    CAPTURE(shape.name);
+    const Surface_nodes<Mesh> expected = curved(make_mesh(shape.mesh), 4, 3);
+    Polygons moved = shape.mesh;
+    for (Point& x : moved.points)
+      for (std::size_t i = 0; i < 3; ++i)
+        x[i] += shift[i];
+    const Surface_nodes<Mesh> nodes = curved(make_mesh(moved), 4, 3);
+    double difference = 0;
+    for (std::size_t n = 0; n < nodes.edge_nodes().size(); ++n)
+    {
+      const Point x = to_point(nodes.edge_nodes()[n]), y = to_point(expected.edge_nodes()[n]);
+      for (std::size_t i = 0; i < 3; ++i)
+        difference = std::max(difference, std::abs(x[i] - shift[i] - y[i]));
+    }
+    CHECK(difference < 1e-11);
+    if (shape.name == "square patch") // faces beside its corners are as good as others
+    {
+      const Mesh mesh = make_mesh(shape.mesh);
+      double largest = 0;
+      for (const auto e : mesh.edges())
+        for (int k = 1; k < 3 && !mesh.is_border(e); ++k)
+          largest = std::max(largest, shape.distance(to_point(expected.edge_node(mesh.halfedge(e), k))));
+      CHECK(largest < 1e-9); // (pi / 36)^8 / 20 is what terms of degree 8 are at an edge's end
+    }
+  }
+}
+
 TEST_CASE("coordinates along and across circles", "[fit_vertices]")
 {
   constexpr double step = 1e-6;
@@ -615,7 +660,7 @@ TEST_CASE("coordinates along and across circles", "[fit_vertices]")
           // a point of the circle of radius `radius` + `out`
           const double a = along / radius, r = radius + out;
           const double s = r * std::sin(a), t = (out - r * 2 * std::pow(std::sin(a / 2), 2)) / unit;
-          REQUIRE(rows.reach(t));
+          REQUIRE(rows.is_on_near_side(t));
           CHECK(rows.place(s, t).along == Approx(along).margin(1e-14));
           CHECK(rows.place(s, t).across == Approx(out / unit).epsilon(1e-9));
           const Row_circles::Slopes slopes = rows.slopes(s, t);
@@ -630,6 +675,28 @@ TEST_CASE("coordinates along and across circles", "[fit_vertices]")
     }
   CHECK(Row_circles().place(2, 3).along == 2);
   CHECK(Row_circles().place(2, 3).across == 3);
+}
+
+TEST_CASE("curvatures of a fit over circles are those of its heights", "[fit_vertices]")
+{
+  const std::array<double, 6> coefficients = {0, 0.4, -0.7, 0.3, 0.2, -0.5};
+  const Vertex_fit fit = {.s_axis = {2, 0, 0},
+                          .t_axis = {0, 5, 0},
+                          .rows = {0.6, 0.24},
+                          .size = 0.3,
+                          .degree = 2,
+                          .state = Vertex_fit_state::curved,
+                          .coefficients = coefficients};
+  const auto z = [&](double x, double y) { return fit.height(2 * x, 5 * y); };
+  constexpr double step = 1e-4;
+  const double p = (z(step, 0) - z(-step, 0)) / (2 * step), q = (z(0, step) - z(0, -step)) / (2 * step);
+  const double r = (z(step, 0) + z(-step, 0)) / (step * step), t = (z(0, step) + z(0, -step)) / (step * step);
+  const double m = (z(step, step) - z(step, -step) - z(-step, step) + z(-step, -step)) / (4 * step * step);
+  const double stretch = 1 + p * p + q * q;
+  const auto [largest, smallest] = fit.principal_curvatures();
+  CHECK(largest * smallest == Approx((r * t - m * m) / (stretch * stretch)).epsilon(1e-5));
+  CHECK(0.5 * (largest + smallest) ==
+        Approx(-((1 + q * q) * r - 2 * p * q * m + (1 + p * p) * t) / (2 * std::pow(stretch, 1.5))).epsilon(1e-5));
 }
 
 TEST_CASE("curvatures where rows of long faces bend", "[fit_vertices]")

@@ -74,9 +74,9 @@ struct Vertex_fit_options
 /// edge too far, it is fitted again with a lower degree. A parabola stands if it is nearer to what the normals tell
 /// than no displacement is; else the degree is 0, which leaves the surface straight there.
 ///
-/// Lengths are in the unit of the points; nothing depends on that unit nor on the place of the mesh, nor on how far the
-/// mesh is stretched in a direction. The result is independent of the number of threads. `g` is not changed and must
-/// outlive the result.
+/// Lengths are in the unit of the points; nothing depends on that unit nor on the place of the mesh. Long thin faces
+/// are measured by their own lengths, along their rows where these bend. The result is independent of the number of
+/// threads. `g` is not changed and must outlive the result.
 ///
 /// \tparam Graph   model of `FaceListGraph`; triangles and quads.
 /// \param params   as for `reconstruct_surface()`. A sharp vertex without critical edges (the tip of a cone) gets no
@@ -87,9 +87,8 @@ struct Vertex_fit_options
 /// \throws Input_error if a field of `options` is out of its range, normals are to be data and `vertex_normal_map` is
 ///         missing, a face is neither triangle nor quad or a coordinate is not finite.
 /// \throws Cancelled if the progress callback asks to stop.
-/// \par Complexity  linear in the vertices; memory about 0.5 kB (d = 2, quads) to 0.9 kB (d = 6, triangles) per vertex
-/// at
-///                 its peak, and 4 bytes for each thread.
+/// \par Complexity  linear in the vertices; memory about 0.5 kB (d = 2, quads) to 0.9 kB (d = 6, triangles) per
+///                 vertex at its peak, and 4 bytes for each thread.
 /// \par Source      Jiao & Wang 2012 (WALF: fits of vertices, averaged).
 template <class Graph, class NamedParameters = No_parameters, class Policies = Compact_policies>
 Vertex_fits<Graph> fit_vertices(const Graph& g, const Vertex_fit_options& options = {},

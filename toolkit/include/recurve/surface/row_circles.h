@@ -32,8 +32,8 @@ struct Row_circles
 
   bool are_straight() const { return s_over_radius == 0; }
 
-  /// whether (s, t) is clearly on the vertex's side of the centre; beyond it coordinates have no use.
-  bool reach(double t) const { return 1 + t_over_radius * t > 0.1; }
+  /// whether a point with this t is clearly on the vertex's side of the centre, where the circles have an end.
+  bool is_on_near_side(double t) const { return 1 + t_over_radius * t > 0.1; }
 
   Place place(double s, double t) const
   {
@@ -41,7 +41,7 @@ struct Row_circles
       return {s, t};
     const double x = s_over_radius * s, y = 1 + t_over_radius * t;
     const double less_one = x * x + t_over_radius * t * (1 + y); // of the square of the distance from the centre
-    return {std::atan(x / y) / s_over_radius, less_one / (t_over_radius * (1 + std::sqrt(x * x + y * y)))};
+    return {std::atan2(x, y) / s_over_radius, less_one / (t_over_radius * (1 + std::sqrt(x * x + y * y)))};
   }
 
   Slopes slopes(double s, double t) const

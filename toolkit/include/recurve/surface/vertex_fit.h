@@ -84,7 +84,8 @@ struct Vertex_fit
   /// unit normal of the surface above (s, t).
   Point normal(double s, double t) const;
 
-  /// the number a for which x + a * direction lies on the surface; not a number where none is found near x.
+  /// the number a for which x + a * direction lies on the surface, by Newton's method from x: where the surface is not
+  /// near x any number, or none.
   double way_along(const Point& x, const Point& direction) const;
 
   /// the two principal curvatures at the vertex, the larger first; one over a length, positive where the surface bends

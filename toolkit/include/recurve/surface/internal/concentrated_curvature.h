@@ -31,7 +31,7 @@ struct Angle_defect
   }
 };
 
-/// \pre `vertex` is not on a rim.
+/// that of `vertex`; on a rim that is straight its angle is pi, whatever the surface.
 inline Angle_defect angle_defect(const Surface_arrays& surface, Index vertex)
 {
   Angle_defect defect = {.angle = 2 * std::numbers::pi};
@@ -70,6 +70,13 @@ inline bool has_concentrated_curvature(const Surface_arrays& surface, Index vert
   return std::all_of(neighbors.begin(), neighbors.end(), [&](Index neighbor) {
     return !surface.is_rim[neighbor] && defect.stands_out(angle_defect(surface, neighbor));
   });
+}
+
+/// whether the rim at `vertex`, which is on it, turns by more than 45 degrees within the surface.
+inline bool is_corner_of_rim(const Surface_arrays& surface, Index vertex)
+{
+  constexpr double least_turn = std::numbers::pi / 4;
+  return std::abs(angle_defect(surface, vertex).angle - std::numbers::pi) > least_turn;
 }
 
 } // namespace recurve::internal::surface

@@ -22,8 +22,9 @@ public:
     s2t_ += square * t;
   }
 
-  /// \param ratio  unit of t over that of s. \return straight rows where the parabola does
-  /// not explain most of what the neighbours differ in t: so it is for all faces that are not much longer than wide.
+  /// \param ratio  unit of t over that of s.
+  /// \return straight rows where the parabola does not explain most of what the neighbours differ in t: so it is for
+  /// all faces that are not much longer than wide.
   Row_circles circles(double ratio) const
   {
     constexpr double unexplained = 0.25; // of the sum of squares: what remains is half as wide at most
@@ -35,7 +36,7 @@ public:
     const double remaining = t2_ - a * t_ - b * s2t_;
     if (b == 0 || !(remaining < unexplained * t2_))
       return {};
-    const double s_over_radius = -2 * b * ratio; // S t / T = - (S s)^2 / (2 r) in units S and T
+    const double s_over_radius = -2 * b * ratio; // T t = - (S s)^2 / (2 r) in units S and T
     return {s_over_radius, ratio * s_over_radius};
   }
 

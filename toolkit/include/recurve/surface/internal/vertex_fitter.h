@@ -19,6 +19,7 @@
 #include <recurve/surface/weighted_points.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <span>
@@ -44,8 +45,9 @@ inline constexpr double least_spread_ratio = 1e-8;
 /// better.
 inline constexpr double greatest_cosine_of_tilt = 0.99;
 
-/// Spread of the neighbours along a row over that across it, from which on the row may bend by more than its width.
-inline constexpr double least_ratio_of_rows = 1.5;
+/// Spread of the neighbours along a row over that across it, from which on the row is looked at: a ring of six faces,
+/// as it lies in the plane, has 1.7.
+inline constexpr double least_ratio_of_rows = 1.6;
 
 /// Cosine between the normal of a fit and one that is data, from which on it is of use: slopes below ten.
 inline constexpr double least_upright = 0.1;
@@ -58,7 +60,8 @@ public:
   Vertex_fitter(const Surface_arrays& surface, const Policies& policies, const Vertex_fit_bounds& bounds)
     : surface_(&surface), policies_(&policies), solver_(policies),
       builder_(surface, bounds.data_normals.empty() ? 1 : 3), bounds_(bounds),
-      has_twins_(surface.vertex_count() > 0 && surface.original_vertices.back() + 1 != surface.vertex_count()),
+      has_twins_(std::adjacent_find(surface.original_vertices.begin(), surface.original_vertices.end()) !=
+                 surface.original_vertices.end()),
       data_normals_(bounds.data_normals)
   {}
 
@@ -125,8 +128,7 @@ private:
       vv += b * b;
     });
     // Principal axes of the neighbours.
-    const double angle = 0.5 * std::atan2(2 * uv, uu - vv);
-    const double c = std::cos(angle), s = std::sin(angle);
+    const auto [c, s] = principal_direction(uu, uv, vv);
     const double count = static_cast<double>(surface_->corners_of_vertex(vertex).size());
     const double large = std::sqrt((c * c * uu + 2 * c * s * uv + s * s * vv) / count);
     double small = std::sqrt(std::max(0.0, s * s * uu - 2 * c * s * uv + c * c * vv) / count);
@@ -140,6 +142,17 @@ private:
     fit.size = std::sqrt(large * small);
     slope_noise_ = 2 / small;
     return true;
+  }
+
+  /// \return cosine and sine of the direction in which a symmetric matrix is largest.
+  static std::array<double, 2> principal_direction(double uu, double uv, double vv)
+  {
+    const double radius = std::sqrt((uu - vv) * (uu - vv) + 4 * uv * uv);
+    if (!(radius > 0))
+      return {1, 0};
+    const double large = std::sqrt(0.5 * (1 + std::abs(uu - vv) / radius)); // of cosine and sine
+    const double small = std::abs(uv) / (radius * large);
+    return {uu >= vv ? large : small, std::copysign(uu >= vv ? small : large, uv)};
   }
 
   /// has `fit` measure along and across the rows of faces, if these are long and their rows bend. \return the new unit
@@ -159,7 +172,7 @@ private:
     double old_square = 0, square = 0;
     for_neighbors(vertex, [&](const Point& x) {
       const Point local = fit.local_coordinates(x);
-      is_near = is_near && rows.reach(local[1]);
+      is_near = is_near && rows.is_on_near_side(local[1]);
       const double across = rows.place(local[0], local[1]).across;
       square += across * across;
       old_square += local[1] * local[1];
@@ -268,11 +281,14 @@ private:
 
   /// for a fit whose points lie on one side: takes points farther from the rim in exchange for those farthest along
   /// it, and puts the plane across the mean of their normals, since over that of the vertex, at their edge, they may be
-  /// steep. Sets is_strip_.
+  /// steep. Not beside a corner of the rim, where points lie on two sides. Sets is_strip_.
   void reach_inwards(Index vertex, Vertex_fit& frame)
   {
     const Index count = builder_.size();
     const One_sided_distance distance = one_sided_distance(*surface_, builder_.vertices(), frame);
+    is_strip_ = has_rim_ahead(distance, frame);
+    if (distance.is_round() || is_strip_ || has_corner_of_rim())
+      return;
     for (Index before = 0; before < builder_.size() && builder_.size() < 2 * count;)
     {
       before = builder_.size();
@@ -284,7 +300,7 @@ private:
       order_.emplace_back(distance(frame.row_coordinates(surface_->points[v])), v);
     std::sort(order_.begin(), order_.end());
     std::transform(order_.begin(), order_.end(), vertices.begin(), [](const auto& at) { return at.second; });
-    builder_.keep_first(count);
+    builder_.keep_first(end_of_ties(count));
     is_strip_ = has_rim_ahead(distance, frame);
     Point normal = {0, 0, 0};
     for (const Index v : builder_.vertices())
@@ -295,27 +311,51 @@ private:
     distance_ = one_sided_distance(*surface_, builder_.vertices(), frame);
   }
 
-  /// whether the stencil ends at another rim straight ahead, seen from the one at its other side.
+  /// the place in order_ from `count` on before which there is a clear step, so that round-off does not choose between
+  /// points that are equally far.
+  Index end_of_ties(Index count) const
+  {
+    constexpr double tie = 1e-6; // relative: far above round-off, far below what makes a difference
+    const auto last = static_cast<std::size_t>(count) - 1;
+    const double bound = order_[last].first * (1 + tie);
+    const auto end =
+      std::find_if(order_.begin() + count, order_.end(), [=](const auto& at) { return at.first > bound; });
+    return static_cast<Index>(end - order_.begin());
+  }
+
+  bool has_corner_of_rim()
+  {
+    const std::span<const Index> vertices = builder_.vertices();
+    return std::any_of(vertices.begin(), vertices.end(),
+                       [this](Index v) { return surface_->is_rim[v] && is_corner_of_rim(*surface_, v); });
+  }
+
+  /// whether the stencil, which begins at a rim, ends at another one that runs across the way ahead.
   bool has_rim_ahead(const One_sided_distance& distance, const Vertex_fit& frame)
   {
-    constexpr double least_slope = 2; // depth over width
+    constexpr double least_slope = 2; // depth over width of what is straight ahead
+    if (distance.is_round())
+      return false;
     const std::span<const Index> vertices = builder_.vertices();
     double mean_depth = 0;
     for (const Index v : vertices)
       mean_depth += distance.depth(frame.row_coordinates(surface_->points[v])) / static_cast<double>(vertices.size());
-    return !distance.is_round() && std::any_of(vertices.begin(), vertices.end(), [&](Index v) {
+    bool is_left = false, is_right = false;
+    for (const Index v : vertices)
+    {
       const Point local = frame.row_coordinates(surface_->points[v]);
-      const double depth = distance.depth(local);
-      return surface_->is_rim[v] && depth > mean_depth && depth > least_slope * std::abs(distance.width(local));
-    });
+      const double depth = distance.depth(local), width = distance.width(local);
+      const bool is_ahead = surface_->is_rim[v] && depth > mean_depth && depth > least_slope * std::abs(width);
+      is_left = is_left || (is_ahead && width > 0);
+      is_right = is_right || (is_ahead && width < 0);
+    }
+    return is_left && is_right;
   }
 
   void add_point(Index vertex, const Vertex_fit& frame, int degree)
   {
     const Point& x = surface_->points[vertex];
     const Point straight = frame.local_coordinates(x);
-    if (!frame.rows.reach(straight[1]))
-      return;
     const auto [along, across] = frame.rows.place(straight[0], straight[1]);
     const Point local = {along, across, straight[2]};
     const double height = local[2] / frame.size;
