@@ -633,7 +633,7 @@ TEST_CASE("regular meshes with rims get the same fits wherever they are", "[fit_
       for (std::size_t i = 0; i < 3; ++i)
         difference = std::max(difference, std::abs(x[i] - shift[i] - y[i]));
     }
-    CHECK(difference < 1e-10); // round-off times the condition of polynomials of degree 6 to 12
+    CHECK(difference < 1e-10);        // round-off times the condition of polynomials of degree 6 to 12
     if (shape.name == "square patch") // faces beside its corners are as good as others
     {
       const Mesh mesh = make_mesh(shape.mesh);
