@@ -14,7 +14,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <exception>
 #include <fstream>
 #include <functional>
@@ -187,13 +186,23 @@ void run(const std::string& file, int sizes)
 int main(int argc, char** argv)
 try
 {
-  const int sizes = argc > 2 ? std::atoi(argv[2]) : 3;
-  if (argc > 3 || sizes < 2)
+  const std::vector<std::string> arguments(argv + 1, argv + argc);
+  const std::string usage =
+    "recurve-study [study.csv [sizes]]: repeats the paper's error study with so many sizes of mesh, "
+    "2 to 9, or else 3, and writes a table\n";
+  if (arguments.size() == 1 && arguments[0] == "--help")
   {
-    std::cerr << "recurve-study [study.csv [sizes, at least 2]]\n";
+    std::cout << usage;
+    return 0;
+  }
+  const std::string sizes = arguments.size() > 1 ? arguments[1] : "3";
+  if (arguments.size() > 2 || sizes.size() != 1 || sizes[0] < '2' || sizes[0] > '9' ||
+      (!arguments.empty() && arguments[0].starts_with('-')))
+  {
+    std::cerr << usage;
     return 2;
   }
-  run(argc > 1 ? argv[1] : "study.csv", sizes);
+  run(arguments.empty() ? "study.csv" : arguments[0], sizes[0] - '0');
 }
 catch (const std::exception& error)
 {

@@ -237,7 +237,7 @@ public:
         return report;
       },
       joined);
-    Reconstruction_report of_faces = tbb::parallel_reduce(
+    const Reconstruction_report of_faces = tbb::parallel_reduce(
       Range(0, surface_.face_count(), 1024), Reconstruction_report(),
       [this](const Range& range, Reconstruction_report report) {
         for (Index face = range.begin(); face < range.end(); ++face)
@@ -245,7 +245,7 @@ public:
         return report;
       },
       joined);
-    return joined(std::move(of_vertices), std::move(of_faces));
+    return joined(std::move(of_vertices), of_faces);
   }
 
 private:
