@@ -1,7 +1,5 @@
-#include "surface/test_surfaces.h"
+#include "surface/curved_surfaces.h"
 
-#include <recurve/surface/curve_surface.h>
-#include <recurve/surface/fit_vertices.h>
 #include <recurve/surface/surface_intersections.h>
 
 #include <catch2/catch.hpp>
@@ -33,11 +31,7 @@ Polygons moved(Polygons polygons, double factor, double dx)
 
 std::vector<Face_intersection> intersections(const Mesh& mesh, int degree)
 {
-  const Vertex_fits<Mesh> fits = fit_vertices(mesh, {.degree = 2});
-  Surface_nodes<Mesh> nodes(mesh, degree);
-  curve_surface(mesh, fits.face_map(), std::vector<Feature_curve<Mesh>>{}, nodes.edge_map(), nodes.face_map(),
-                {.degree = degree});
-  return find_surface_intersections(mesh, nodes);
+  return find_surface_intersections(mesh, curved(mesh, 2, degree));
 }
 
 } // namespace

@@ -139,7 +139,17 @@ inline Polygons cubed_sphere(int n)
   return sphere;
 }
 
-/// a torus of m times n quads around z; `angles` maps the lattice to the angles around z and around the tube.
+/// the quads of a lattice of m times n, whose point (i, j) has the number `at(i, j)`.
+inline std::vector<std::vector<int>> lattice_faces(int m, int n, const std::function<int(int, int)>& at)
+{
+  std::vector<std::vector<int>> faces;
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < m; ++i)
+      faces.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
+  return faces;
+}
+
+/// a torus of m times n quads around z and around its tube; each angle is moved by at most `jitter` of the spacing.
 inline Polygons grid_torus(int m, int n, double ring_radius, double tube_radius, double jitter, std::uint32_t seed)
 {
   std::mt19937 random(seed);
@@ -153,10 +163,7 @@ inline Polygons grid_torus(int m, int n, double ring_radius, double tube_radius,
       const double r = ring_radius + tube_radius * std::cos(b);
       torus.points.push_back({r * std::cos(a), r * std::sin(a), tube_radius * std::sin(b)});
     }
-  const auto at = [&](int i, int j) { return i % m + (j % n) * m; };
-  for (int j = 0; j < n; ++j)
-    for (int i = 0; i < m; ++i)
-      torus.faces.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
+  torus.faces = lattice_faces(m, n, [=](int i, int j) { return i % m + (j % n) * m; });
   return torus;
 }
 
@@ -198,16 +205,37 @@ inline Polygons grid(int m, int n, double width, double depth, const std::functi
       const double x = width * i / m, y = depth * j / n;
       result.points.push_back({x, y, height(x, y)});
     }
-  const auto at = [&](int i, int j) { return i + j * (m + 1); };
-  for (int j = 0; j < n; ++j)
-    for (int i = 0; i < m; ++i)
-      result.faces.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
+  result.faces = lattice_faces(m, n, [=](int i, int j) { return i + j * (m + 1); });
   return result;
+}
+
+/// m times n quads over [0, 1]^2, mapped by `surface`; the first coordinate may be periodic.
+inline Polygons mapped_grid(int m, int n, bool is_periodic, const std::function<Point(double, double)>& surface)
+{
+  Polygons result;
+  const int columns = is_periodic ? m : m + 1;
+  for (int j = 0; j <= n; ++j)
+    for (int i = 0; i < columns; ++i)
+      result.points.push_back(surface(static_cast<double>(i) / m, static_cast<double>(j) / n));
+  result.faces = lattice_faces(m, n, [=](int i, int j) { return (is_periodic ? i % m : i) + j * columns; });
+  return result;
+}
+
+/// a point of the cylinder of radius 1 around z.
+inline Point on_cylinder(double turn, double z)
+{
+  const double a = 2 * std::numbers::pi * turn;
+  return {std::cos(a), std::sin(a), z};
 }
 
 inline double distance_to_sphere(const Point& x)
 {
   return std::abs(norm(x) - 1);
+}
+
+inline double distance_to_cylinder(const Point& x)
+{
+  return std::abs(std::hypot(x[0], x[1]) - 1);
 }
 
 inline double distance_to_torus(const Point& x, double ring_radius, double tube_radius)
