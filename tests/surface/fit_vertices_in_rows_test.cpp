@@ -106,10 +106,18 @@ std::vector<Shape> stretched_shapes()
                                   return Point{std::cos(t) * x[0], std::cos(t) * x[1], std::sin(t)};
                                 }),
                     distance_to_sphere});
+  shapes.push_back({"sphere, wide rings between narrow ones",
+                    mapped_grid(16, 6, true,
+                                [](double a, double b) {
+                                  const double t = 1.4 * std::tanh(4 * (2 * b - 1)) / std::tanh(4.0);
+                                  const Point x = on_cylinder(a, 0);
+                                  return Point{std::cos(t) * x[0], std::cos(t) * x[1], std::sin(t)};
+                                }),
+                    distance_to_sphere});
   shapes.push_back({"torus, faces 1:17", grid_torus(200, 12, 2, 0.8, 0, 1),
                     [](const Point& x) { return distance_to_torus(x, 2, 0.8); }});
   // Long faces in rows that bend: near the top the straight ones are right by accident along some circle.
-  for (const int sides : {14, 16, 20, 32})
+  for (const int sides : {8, 10, 12, 14, 16, 20, 32})
     for (const double tube : {0.3, 0.8, 1.5})
       shapes.push_back({"torus of " + std::to_string(sides) + " times 100 sides, tube " + std::to_string(tube),
                         grid_torus(sides, 100, 2, tube, 0, 1),
@@ -125,7 +133,7 @@ std::vector<Shape> stretched_shapes()
       {name + " of " + std::to_string(chords) + " chords", mapped_grid(chords, 5, false, surface), distance});
   };
   const auto even = [](double a) { return a; };
-  for (const int chords : {10, 12, 16, 20, 32, 64})
+  for (const int chords : {8, 10, 12, 16, 20, 32, 64})
     add_wing("NACA 0012", naca(0.12, 0), chords, even);
   add_wing("NACA 0012, crowded at the tail", naca(0.12, 0), 130, [](double a) {
     const double u = 2 * a - 1;
@@ -133,7 +141,8 @@ std::vector<Shape> stretched_shapes()
   });
   add_wing("NACA 0024", naca(0.24, 0), 14, even);
   add_wing("NACA 4412", naca(0.12, 0.04), 12, even);
-  add_wing("Joukowski", joukowski(), 24, even);
+  for (const int chords : {10, 12, 14, 16, 24})
+    add_wing("Joukowski", joukowski(), chords, even);
   add_wing("Joukowski, crowded at the tail", joukowski(), 64,
            [](double a) { return a - 0.9 * std::sin(2 * std::numbers::pi * a) / (2 * std::numbers::pi); });
   return shapes;
@@ -161,6 +170,36 @@ TEST_CASE("long thin faces, graded faces and coarse noses are nowhere worse than
         CHECK(*std::max_element(errors.begin(), errors.end()) < largest_straight);
       }
     }
+}
+
+TEST_CASE("a few long faces round a surface of revolution are as good as many", "[fit_vertices]")
+{
+  // Turned about the axis, the meridian alone is to be found, and its points are close.
+  constexpr double ring = 2, tube = 0.8;
+  const auto distance = [](const Point& x) { return distance_to_torus(x, ring, tube); };
+  for (const int sides : {8, 12, 24})
+  {
+    const Mesh mesh = make_mesh(grid_torus(sides, 100, ring, tube, 0, 1));
+    const Vertex_fits<Mesh> fits = fitted(mesh, 4);
+    const Surface_nodes<Mesh> nodes = curved(mesh, fits, 4);
+    const double straight = largest_error(Surface_nodes<Mesh>(mesh, 4), distance);
+    double largest = 0;
+    int faces = 0;
+    for (const auto f : mesh.faces())
+    {
+      bool has_rows = true;
+      for (int corner = 0; corner < 4; ++corner)
+        has_rows = has_rows && !fits.fit_at_corner(f, corner).rows.are_straight();
+      if (!has_rows)
+        continue;
+      ++faces;
+      for (int m = 0; m < nodes.face_node_count(f); ++m)
+        largest = std::max(largest, distance(to_point(nodes.face_node(f, m))));
+    }
+    CAPTURE(sides, faces);
+    CHECK(faces > 20 * sides);
+    CHECK(largest < 1e-4 * straight);
+  }
 }
 
 TEST_CASE("curvatures where rows of long faces bend", "[fit_vertices]")

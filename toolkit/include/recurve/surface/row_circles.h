@@ -1,65 +1,104 @@
 #ifndef RECURVE_SURFACE_ROW_CIRCLES_H
 #define RECURVE_SURFACE_ROW_CIRCLES_H
 
+#include <recurve/core/types.h>
+
 #include <cmath>
 
 namespace recurve {
 
-/// Coordinates in the plane of a `Vertex_fit` for long faces that stand in rows which bend within the surface, such as
-/// rings round a torus, a nacelle's lip or a pole: along circles and across them.
+/// Coordinates around a `Vertex_fit` for long faces that stand in rows which bend within the surface, such as rings
+/// round a torus, a nacelle's lip or a pole: along the circle of the row through the vertex, and as they lie when they
+/// are turned back about its axis.
 ///
-/// The rows near the vertex are taken for circles about one centre on the t-axis, the row through the vertex for that
-/// of radius r about (0, -r). A function of the distance from the row, as the height of a torus is near its top, is
-/// then one of one coordinate; over the straight ones s and t it is a bent valley much narrower than a face is long,
-/// for which polynomials of low degree are no match.
+/// The surface is likely to be nearly one of revolution about that axis: turned back, its height is then a function of
+/// one coordinate, the one across the rows. Over the straight coordinates s and t it is a bent valley much narrower
+/// than a face is long, for which polynomials of low degree are no match.
+///
+/// Points and directions are given by their components in the axes of the fit: s and t in units of the axes, the height
+/// over the plane as a length.
 struct Row_circles
 {
-  double s_over_radius = 0; ///< unit of s over r; negative where the centre is at t > 0; 0: rows are straight
-  double t_over_radius = 0; ///< the same for the unit of t
+  double bend_in_plane = 0;  ///< curvature of the row at the vertex, one over a length, towards t > 0; 0: not bent
+  double bend_off_plane = 0; ///< the same towards greater heights
+  double s_unit = 1;         ///< length
+  double t_unit = 1;         ///< length
 
-  /// Coordinates along and across the circles, in the units of s and t: (0, 0) at the vertex, where they are s and t to
-  /// first order.
-  struct Place
+  /// About the axis from the vertex to a point.
+  struct Turn
   {
-    double along = 0, across = 0;
+    double cosine = 1, sine = 0;
+    double distance = 1; ///< of the point from the axis, in radii
   };
 
-  /// Their derivatives by s and t.
-  struct Slopes
+  bool are_straight() const { return bend_in_plane == 0; }
+
+  /// whether a point is clearly on the vertex's side of the axis.
+  bool is_on_near_side(const Point& local) const { return 1 - inwards(local) > 0.1; }
+
+  /// coordinates along and across the rows and height, turned back to the vertex; in the units of s, t and the height.
+  /// (0, 0, 0) at the vertex, where they are s, t and the height to first order.
+  Point place(const Point& local) const;
+
+  Turn turn(const Point& local) const;
+
+  /// a direction, turned back.
+  Point turned_back(const Turn& turn, const Point& way) const;
+
+  /// what place() changes by on a way from a point.
+  Point change(const Point& local, const Point& way) const;
+
+private:
+  double square() const { return bend_in_plane * bend_in_plane + bend_off_plane * bend_off_plane; }
+
+  /// components towards the axis, and along it, in radii.
+  double inwards(const Point& local) const { return bend_in_plane * t_unit * local[1] + bend_off_plane * local[2]; }
+  double sidewards(const Point& local) const { return bend_in_plane * local[2] - bend_off_plane * t_unit * local[1]; }
+
+  /// from those and s to coordinates.
+  Point joined(double s, double inwards, double sidewards) const
   {
-    double along_by_s = 1, along_by_t = 0, across_by_s = 0, across_by_t = 1;
-  };
-
-  bool are_straight() const { return s_over_radius == 0; }
-
-  /// whether a point with this t is clearly on the vertex's side of the centre, where the circles have an end.
-  bool is_on_near_side(double t) const { return 1 + t_over_radius * t > 0.1; }
-
-  Place place(double s, double t) const
-  {
-    if (are_straight())
-      return {s, t};
-    const double x = s_over_radius * s, y = 1 + t_over_radius * t;
-    const double less_one = x * x + t_over_radius * t * (1 + y); // of the square of the distance from the centre
-    return {std::atan2(x, y) / s_over_radius, less_one / (t_over_radius * (1 + std::sqrt(x * x + y * y)))};
+    return {s, (bend_in_plane * inwards - bend_off_plane * sidewards) / (square() * t_unit),
+            (bend_off_plane * inwards + bend_in_plane * sidewards) / square()};
   }
-
-  Slopes slopes(double s, double t) const
-  {
-    if (are_straight())
-      return {};
-    const double x = s_over_radius * s, y = 1 + t_over_radius * t;
-    const double square = x * x + y * y, distance = std::sqrt(square);
-    return {.along_by_s = y / square,
-            .along_by_t = -s * t_over_radius / square,
-            .across_by_s = x * s_over_radius / (t_over_radius * distance),
-            .across_by_t = y / distance};
-  }
-
-  /// second derivatives at the vertex; the others are 0.
-  double across_by_ss() const { return are_straight() ? 0 : s_over_radius * s_over_radius / t_over_radius; }
-  double along_by_st() const { return -t_over_radius; }
 };
+
+inline Point Row_circles::place(const Point& local) const
+{
+  if (are_straight())
+    return local;
+  const double bend = std::sqrt(square()), unit = bend * s_unit; // of s, in radii
+  const double along = unit * local[0], inward = inwards(local);
+  const double less_one = along * along + inward * (inward - 2); // of the square of the distance from the axis
+  return joined(std::atan2(along, 1 - inward) / unit, -less_one / (1 + std::sqrt(1 + less_one)), sidewards(local));
+}
+
+inline Row_circles::Turn Row_circles::turn(const Point& local) const
+{
+  if (are_straight())
+    return {};
+  const double along = std::sqrt(square()) * s_unit * local[0], outward = 1 - inwards(local);
+  const double distance = std::sqrt(along * along + outward * outward);
+  return {outward / distance, along / distance, distance};
+}
+
+inline Point Row_circles::turned_back(const Turn& turn, const Point& way) const
+{
+  if (are_straight())
+    return way;
+  const double unit = std::sqrt(square()) * s_unit;
+  const double along = unit * way[0], inward = inwards(way);
+  return joined((turn.cosine * along + turn.sine * inward) / unit, turn.cosine * inward - turn.sine * along,
+                sidewards(way));
+}
+
+inline Point Row_circles::change(const Point& local, const Point& way) const
+{
+  const Turn there = turn(local);
+  Point result = turned_back(there, way);
+  result[0] /= there.distance;
+  return result;
+}
 
 } // namespace recurve
 

@@ -31,8 +31,8 @@ enum class Vertex_fit_state : std::uint8_t
 ///
 /// The surface near the vertex is the set of points x with w = height(s, t), where s = (x - origin) . s_axis, t = (x -
 /// origin) . t_axis and w = (x - origin) . n. The axes span the plane; they measure the neighbours of the vertex, so
-/// that s and t of these are about 1 however long and thin the faces are. The height is a polynomial of s and t, or,
-/// where rows of long faces bend, of the coordinates along and across these.
+/// that s and t of these are about 1 however long and thin the faces are. The height is a polynomial of s and t; where
+/// rows of long faces bend, all three coordinates are first turned back along these.
 ///
 /// A view: the coefficients are kept elsewhere, by the `Vertex_fits` that a fit comes from. A copy is of use as long as
 /// these, or copies of them, are there. `height()` and what builds on it read the coefficients of `degree`.
@@ -45,7 +45,7 @@ struct Vertex_fit
   Point s_axis = {1, 0, 0};        ///< across n, one over a length
   Point t_axis = {0, 1, 0};        ///< across n and s_axis, one over a length
   Point vertex_normal = {0, 0, 1}; ///< unit normal of the straight-sided mesh at the vertex; nodes are moved along it
-  Row_circles rows = {};           ///< bend s and t within the plane
+  Row_circles rows = {};           ///< turn the coordinates back where rows of faces bend
   double size = 1;                 ///< unit of the heights and mean distance of the neighbours, a length > 0
   std::int32_t degree = 0;         ///< 0 to max_vertex_fit_degree
   Vertex_fit_state state = Vertex_fit_state::none;
@@ -70,13 +70,12 @@ struct Vertex_fit
             r[0] * t_axis[0] + r[1] * t_axis[1] + r[2] * t_axis[2], r[0] * n[0] + r[1] * n[1] + r[2] * n[2]};
   }
 
-  /// local coordinates along and across the rows, in which the polynomial is.
-  Point row_coordinates(const Point& x) const
-  {
-    const Point local = local_coordinates(x);
-    const auto [along, across] = rows.place(local[0], local[1]);
-    return {along, across, local[2]};
-  }
+  /// local coordinates along and across the rows and over these, between which the polynomial is.
+  Point row_coordinates(const Point& x) const { return rows.place(local_coordinates(x)); }
+
+  /// the polynomial.
+  double height_in_rows(double along, double across) const;
+  Height height_and_slopes_in_rows(double along, double across) const;
 
   double height(double s, double t) const;
   Height height_and_slopes(double s, double t) const;
@@ -91,11 +90,14 @@ struct Vertex_fit
   /// the two principal curvatures at the vertex, the larger first; one over a length, positive where the surface bends
   /// away from the normal (a sphere with outward normals).
   std::array<double, 2> principal_curvatures() const;
+
+private:
+  /// the number a for which start + a * step, in local coordinates, lies on the surface.
+  double way_from(const Point& start, const Point& step) const;
 };
 
-inline double Vertex_fit::height(double s, double t) const
+inline double Vertex_fit::height_in_rows(double along, double across) const
 {
-  const auto [along, across] = rows.place(s, t);
   double sum = 0;
   for (int j = degree; j >= 0; --j)
   {
@@ -107,9 +109,8 @@ inline double Vertex_fit::height(double s, double t) const
   return size * sum;
 }
 
-inline Vertex_fit::Height Vertex_fit::height_and_slopes(double s, double t) const
+inline Vertex_fit::Height Vertex_fit::height_and_slopes_in_rows(double along, double across) const
 {
-  const auto [along, across] = rows.place(s, t);
   double sum = 0, by_along = 0, by_across = 0;
   for (int j = degree; j >= 0; --j)
   {
@@ -123,9 +124,28 @@ inline Vertex_fit::Height Vertex_fit::height_and_slopes(double s, double t) cons
     sum = sum * along + row;
     by_across = by_across * along + row_by_across;
   }
-  const Row_circles::Slopes slopes = rows.slopes(s, t);
-  return {size * sum, size * (by_along * slopes.along_by_s + by_across * slopes.across_by_s),
-          size * (by_along * slopes.along_by_t + by_across * slopes.across_by_t)};
+  return {size * sum, size * by_along, size * by_across};
+}
+
+inline double Vertex_fit::height(double s, double t) const
+{
+  return rows.are_straight() ? height_in_rows(s, t) : way_from({s, t, 0}, {0, 0, 1});
+}
+
+inline Vertex_fit::Height Vertex_fit::height_and_slopes(double s, double t) const
+{
+  if (rows.are_straight())
+    return height_and_slopes_in_rows(s, t);
+  const Point local = {s, t, height(s, t)};
+  const Point at = rows.place(local);
+  const Height surface = height_and_slopes_in_rows(at[0], at[1]);
+  // what the point rises over the surface by, on a way
+  const auto rise = [&](const Point& way) {
+    const Point change = rows.change(local, way);
+    return change[2] - surface.by_s * change[0] - surface.by_t * change[1];
+  };
+  const double by_height = rise({0, 0, 1});
+  return {local[2], -rise({1, 0, 0}) / by_height, -rise({0, 1, 0}) / by_height};
 }
 
 inline Point Vertex_fit::normal(double s, double t) const
@@ -144,15 +164,21 @@ inline Point Vertex_fit::normal(double s, double t) const
 
 inline double Vertex_fit::way_along(const Point& x, const Point& direction) const
 {
+  return way_from(local_coordinates(x), local_direction(direction));
+}
+
+inline double Vertex_fit::way_from(const Point& start, const Point& step) const
+{
   // Newton's method. The surface is nearly across the direction, so that three steps give all digits.
   constexpr int most_steps = 5;
-  const Point start = local_coordinates(x);
-  const Point step = local_direction(direction);
   double way = 0;
   for (int i = 0; i < most_steps; ++i)
   {
-    const Height at = height_and_slopes(start[0] + way * step[0], start[1] + way * step[1]);
-    const double change = (at.value - start[2] - way * step[2]) / (step[2] - at.by_s * step[0] - at.by_t * step[1]);
+    const Point local = {start[0] + way * step[0], start[1] + way * step[1], start[2] + way * step[2]};
+    const Point at = rows.place(local);
+    const Height surface = height_and_slopes_in_rows(at[0], at[1]);
+    const Point ahead = rows.change(local, step);
+    const double change = (surface.value - at[2]) / (ahead[2] - surface.by_s * ahead[0] - surface.by_t * ahead[1]);
     way += change;
     if (std::abs(change) <= 1e-15 * size)
       break;
@@ -167,12 +193,16 @@ inline std::array<double, 2> Vertex_fit::principal_curvatures() const
   const auto square = [](const Point& a) { return a[0] * a[0] + a[1] * a[1] + a[2] * a[2]; };
   const double a = std::sqrt(square(s_axis)), b = std::sqrt(square(t_axis));
   const double p = size * coefficients[1] * a, q = size * coefficients[2] * b; // slopes
-  const bool has_bend = degree >= 2;
-  const double r =
-    (has_bend ? 2 * size * coefficients[3] * a * a : 0) + size * coefficients[2] * rows.across_by_ss() * a * a;
-  const double m =
-    (has_bend ? size * coefficients[4] * a * b : 0) + size * coefficients[1] * rows.along_by_st() * a * b;
-  const double t = has_bend ? 2 * size * coefficients[5] * b * b : 0;
+  // of the height over the plane, where the polynomial is one over the rows
+  double r = rows.bend_off_plane * (1 + 2 * p * p) - rows.bend_in_plane * q;
+  double m = p * (rows.bend_in_plane + rows.bend_off_plane * q);
+  double t = 0;
+  if (degree >= 2)
+  {
+    r += 2 * size * coefficients[3] * a * a;
+    m += size * coefficients[4] * a * b;
+    t += 2 * size * coefficients[5] * b * b;
+  }
   const double stretch = 1 + p * p + q * q;
   const double mean = -((1 + q * q) * r - 2 * p * q * m + (1 + p * p) * t) / (2 * stretch * std::sqrt(stretch));
   const double gauss = (r * t - m * m) / (stretch * stretch);

@@ -70,6 +70,7 @@ private:
   static constexpr double least_direction = 0.1; ///< normals that nearly cancel say nothing
   static constexpr double harmless_part = 0.1;   ///< of the bend: fits that resolve the surface differ by less
   static constexpr double largest_ratio = 2;     ///< between displacements of fits that see the same surface
+  static constexpr double certain_part = 0.25;   ///< of what the normals tell
 
   bool counts(int corner, std::span<const double> weights) const
   {
@@ -117,12 +118,47 @@ private:
       high = std::max(high, ways[i]);
       bend = std::max(bend, middle_bend(*fits_[i]));
     }
-    if (!(high - low > harmless_part * bend))
+    if (high - low > harmless_part * bend)
+    {
+      const double most = low * high <= 0 ? 0 : largest_ratio * std::min(std::abs(low), std::abs(high));
+      for (std::size_t i = 0; i < static_cast<std::size_t>(count_); ++i)
+        limit(i, ways[i], most);
+    }
+    doubt_parabolas(ways);
+  }
+
+  /// Beside a corner where no fit was good enough a parabola, which is what is left where no other fit is, may be wrong
+  /// too: few points tell to which side such a surface bends. It moves the middle no farther than is certain, which is
+  /// part of what the normals tell.
+  void doubt_parabolas(const std::array<double, 4>& ways)
+  {
+    const auto fits = std::span(fits_).first(static_cast<std::size_t>(count_));
+    if (std::none_of(fits.begin(), fits.end(), [](auto fit) { return fit->state == Vertex_fit_state::flat; }))
       return;
-    const double most = low * high <= 0 ? 0 : largest_ratio * std::min(std::abs(low), std::abs(high));
-    for (std::size_t i = 0; i < static_cast<std::size_t>(count_); ++i)
-      if (std::abs(ways[i]) > most)
-        belief_[i] = most / std::abs(ways[i]);
+    const double certain = certain_part * way_by_normals();
+    for (std::size_t i = 0; i < fits.size(); ++i)
+      if (fits[i]->degree <= 2)
+        limit(i, ways[i], ways[i] * certain > 0 ? std::abs(certain) : 0);
+  }
+
+  /// has the displacement of the middle by a fit be `most` at most.
+  void limit(std::size_t corner, double way, double most)
+  {
+    if (std::abs(way) > most)
+      belief_[corner] = std::min(belief_[corner], most / std::abs(way));
+  }
+
+  /// how far the normals at the corners tell the middle to move: that of the quadratic surface whose sides are
+  /// displaced as in estimated_displacement().
+  double way_by_normals() const
+  {
+    double sum = 0; // of the sides
+    for (int i = 0; i < count_; ++i)
+    {
+      const Vertex_fit &a = *fits_[i], &b = *fits_[(i + 1) % count_];
+      sum += 0.125 * dot(subtract(b.vertex_normal, a.vertex_normal), subtract(b.origin, a.origin));
+    }
+    return sum * (count_ == 3 ? 4.0 / 9 : 0.5);
   }
 
   /// how far the terms of second degree bend the middle of an edge to a neighbour.

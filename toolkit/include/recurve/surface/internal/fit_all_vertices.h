@@ -153,8 +153,8 @@ private:
     return poor;
   }
 
-  /// a lower degree where the fit of a neighbour displaces the edge between them otherwise and is nearer to what the
-  /// normals tell.
+  /// a lower degree where a neighbour has one that is far lower, and where the fit of a neighbour displaces the edge
+  /// between them otherwise and is nearer to what the normals tell.
   std::int8_t degree_wanted(Index v)
   {
     Vertex_outcome& outcome = outcomes_[static_cast<std::size_t>(v)];
@@ -164,6 +164,8 @@ private:
     for (Index i = surface_.neighbor_first[v]; i < surface_.neighbor_first[v + 1]; ++i)
     {
       const Index neighbor = surface_.neighbors[i];
+      if (is_far_below(neighbor, outcome))
+        return static_cast<std::int8_t>((outcome.degree - 1) / 2 * 2);
       const double own = displacements_[i];
       const double others = opposite_displacement(v, neighbor);
       const double difference = std::abs(own - others);
@@ -171,8 +173,8 @@ private:
         continue;
       const double edge_length = length(subtract(surface_.points[neighbor], surface_.points[v]));
       if (bend.longest_edge == 0) // not known yet
-        bend = estimated_bend(surface_, v);
-      const double estimate = estimated_displacement(surface_, v, neighbor);
+        bend = estimated_bend(surface_, v, (*fits_)[v]);
+      const double estimate = bend.displacement(surface_, (*fits_)[v], v, neighbor);
       if (difference > bend.negligible_displacement(edge_length) &&
           std::abs(own - estimate) >= std::abs(others - estimate))
       {
@@ -182,6 +184,15 @@ private:
       }
     }
     return degrees_[v];
+  }
+
+  /// whether the fit of `neighbor` had to be so much lower that the points around cannot resolve what a polynomial of
+  /// the degree of `own` has to tell. (Rims apart, where higher degrees are asked for than elsewhere.)
+  bool is_far_below(Index neighbor, const Vertex_outcome& own) const
+  {
+    constexpr int largest_step = 4;
+    const Vertex_outcome& other = outcomes_[static_cast<std::size_t>(neighbor)];
+    return other.counts() && own.degree <= bounds_.degree && own.degree > other.degree + largest_step;
   }
 
   /// `vertices` and their neighbours, ascending.

@@ -45,6 +45,13 @@ inline constexpr double harmless_change = 1e-4;
 /// oscillates. At a border the estimate is half of the truth.
 inline constexpr double largest_departure = 0.75;
 
+/// From this degree on a fit must not depart so far from the normals' estimate on an edge that it bends clearly: high
+/// degrees that miss a bend by as much agree with each other and with nothing else. (A rim apart, where the estimate is
+/// half of the truth.)
+inline constexpr int very_high_degree = 8;
+inline constexpr double largest_departure_of_very_high = 0.6;
+inline constexpr double clear_bend = 3e-2; ///< in lengths of the edge
+
 /// Where a fit departs from the normals' estimate it must agree so many times better with the fit of two degrees less.
 inline constexpr double strictness_in_doubt = 3;
 
@@ -107,13 +114,15 @@ public:
       memory_.displacements.push_back(own);
       if (!(std::abs(own) <= bounds_.largest_displacement * edge_length))
         return {Lowering_reason::displacement, false};
-      const double estimate = estimated_displacement(surface_, vertex_, neighbor);
+      const double estimate = bend_.displacement(surface_, fit, vertex_, neighbor);
       if (own * estimate < 0 && std::min(std::abs(own), std::abs(estimate)) > clear_displacement * edge_length)
         return {Lowering_reason::disagreement, false};
       const double negligible = bend_.negligible_displacement(edge_length);
       if (std::abs(own - estimate) <= negligible)
         continue;
       const bool is_at_rim = surface_.is_rim[vertex_] || surface_.is_rim[neighbor];
+      if (!is_at_rim && misses_bend(degree, own, estimate, edge_length))
+        return {Lowering_reason::disagreement, false};
       const double unsure = is_at_rim ? uncertainty_at_rim * negligible : negligible;
       const double strictness = departs(own, estimate, largest_departure, unsure) ? strictness_in_doubt : 1;
       if (!has_lower && !solve_next_lower(degree, fit, lower))
@@ -134,6 +143,13 @@ private:
     return difference > least && difference > part * std::max(std::abs(own), std::abs(other));
   }
 
+  /// whether a fit of very high degree bends an edge clearly and quite unlike what the normals tell.
+  bool misses_bend(int degree, double own, double estimate, double edge_length) const
+  {
+    return degree >= very_high_degree && degree <= bounds_.degree && std::abs(own) > clear_bend * edge_length &&
+           departs(own, estimate, largest_departure_of_very_high, 0);
+  }
+
   /// whether a fit of degree 2 or less, after which there is none, is better than no displacement at all.
   Fit_verdict judge_parabola(const Vertex_fit& fit) const
   {
@@ -148,7 +164,7 @@ private:
       const double own = memory_.displacements.back() / edge_length;
       if (!(std::abs(own) <= bounds_.largest_displacement))
         return {Lowering_reason::displacement, false};
-      const double estimate = estimated_displacement(surface_, vertex_, neighbor) / edge_length;
+      const double estimate = bend_.displacement(surface_, fit, vertex_, neighbor) / edge_length;
       departure += (own - estimate) * (own - estimate);
       flat_departure += estimate * estimate;
     }

@@ -49,6 +49,10 @@ inline constexpr double greatest_cosine_of_tilt = 0.99;
 /// as it lies in the plane, has 1.7.
 inline constexpr double least_ratio_of_rows = 1.6;
 
+/// The same when the row is straightened, from which on faces are long: the fewer a vertex's neighbours are, the more
+/// often they are in a circle by accident.
+inline constexpr double least_ratio_in_rows = 4;
+
 /// Cosine between the normal of a fit and one that is data, from which on it is of use: slopes below ten.
 inline constexpr double least_upright = 0.1;
 
@@ -80,7 +84,7 @@ public:
     if (!spans_plane || is_in_planar_part(vertex, frame))
       return result;
     result.reason.reset();
-    const Estimated_bend bend = estimated_bend(*surface_, vertex);
+    const Estimated_bend bend = estimated_bend(*surface_, vertex, frame);
     const int first = gather_first(vertex, frame, degree);
     for (int d = first; d > 0; d = (d - 1) / 2 * 2)
     {
@@ -138,7 +142,7 @@ private:
     fit.t_axis = scaled(1 / small, subtract(scaled(c, v), scaled(s, u)));
     fit.rows = {};
     if (large > least_ratio_of_rows * small)
-      small *= set_rows(vertex, small / large, fit);
+      small *= set_rows(vertex, large, small, fit);
     fit.size = std::sqrt(large * small);
     slope_noise_ = 2 / small;
     return true;
@@ -157,30 +161,34 @@ private:
 
   /// has `fit` measure along and across the rows of faces, if these are long and their rows bend. \return the new unit
   /// of t, over the old.
-  double set_rows(Index vertex, double ratio, Vertex_fit& fit)
+  double set_rows(Index vertex, double s_unit, double t_unit, Vertex_fit& fit)
   {
     Row_finder finder;
-    finder.add(0, 0);
+    finder.add({0, 0, 0});
     for_neighbors(vertex, [&](const Point& x) {
       const Point local = fit.local_coordinates(x);
-      finder.add(local[0], local[1]);
+      finder.add({s_unit * local[0], t_unit * local[1], local[2]});
     });
-    const Row_circles rows = finder.circles(ratio);
+    Row_circles rows = finder.circles();
     if (rows.are_straight())
       return 1;
+    rows.s_unit = s_unit;
+    rows.t_unit = t_unit;
     bool is_near = true;
     double old_square = 0, square = 0;
     for_neighbors(vertex, [&](const Point& x) {
       const Point local = fit.local_coordinates(x);
-      is_near = is_near && rows.is_on_near_side(local[1]);
-      const double across = rows.place(local[0], local[1]).across;
+      is_near = is_near && rows.is_on_near_side(local);
+      const double across = rows.place(local)[1];
       square += across * across;
       old_square += local[1] * local[1];
     });
     const double factor = std::sqrt(square / old_square);
-    if (!is_near || !(factor > least_spread_ratio) || !(factor < 1))
+    if (!is_near || !(factor > least_spread_ratio) || !(factor < 1) ||
+        !(s_unit > least_ratio_in_rows * factor * t_unit))
       return 1;
-    fit.rows = {rows.s_over_radius, factor * rows.t_over_radius};
+    rows.t_unit *= factor;
+    fit.rows = rows;
     fit.t_axis = scaled(1 / factor, fit.t_axis);
     return factor;
   }
@@ -271,8 +279,8 @@ private:
       std::sort(vertices.begin(), vertices.end());
     solver_.points().start(vertices.size());
     is_planar_ = true;
-    if (has_normals())
-      add_slope(vertex, {0, 0, 0}, frame, weight_of(1, 1, degree)); // its own normal counts as much as a neighbour's
+    if (has_normals()) // its own counts as much as a neighbour's
+      add_slope(vertex, {0, 0, 0}, {0, 0, 0}, frame, weight_of(1, 1, degree));
     for (std::size_t i = 0; i < vertices.size(); ++i)
       if (surface_->original_vertices[vertices[i]] != surface_->original_vertices[vertex] &&
           (!has_twins_ || is_best_side(*surface_, vertices, i, frame.n)))
@@ -356,15 +364,14 @@ private:
   {
     const Point& x = surface_->points[vertex];
     const Point straight = frame.local_coordinates(x);
-    const auto [along, across] = frame.rows.place(straight[0], straight[1]);
-    const Point local = {along, across, straight[2]};
+    const Point local = frame.rows.place(straight);
     const double height = local[2] / frame.size;
     const double weight = weight_of(distance_(local), dot(surface_->normals[vertex], frame.n), degree);
     if (!(weight > 0) || !std::isfinite(weight))
       return;
     solver_.points().add(local[0], local[1], height, weight);
     if (has_normals())
-      add_slope(vertex, straight, frame, weight);
+      add_slope(vertex, straight, local, frame, weight);
     is_planar_ = is_planar_ && !is_off_plane(x, frame);
   }
 
@@ -375,21 +382,20 @@ private:
 
   bool has_normals() const { return !data_normals_.empty(); }
 
-  /// adds the slopes that the normal of `vertex` asks for at `local`, if it has one and stands up.
-  void add_slope(Index vertex, const Point& local, const Vertex_fit& frame, double weight)
+  /// adds the slopes that the normal of `vertex` asks for, if it has one and stands up. \param local  coordinates of
+  /// the vertex. \param place  the same along and across the rows.
+  void add_slope(Index vertex, const Point& local, const Point& place, const Vertex_fit& frame, double weight)
   {
     const Point& normal = data_normals_[static_cast<std::size_t>(vertex)];
-    const double up = dot(normal, frame.n);
+    const Row_circles::Turn turn = frame.rows.turn(local);
+    const Point turned = frame.rows.turned_back(turn, frame.local_direction(normal));
+    const double up = turned[2];
     if (!(up > least_upright) || !(weight > 0) || !std::isfinite(weight))
       return;
     // The surface is size * h(s, t) high: n - size (h_s s_axis + h_t t_axis) is across it.
-    const double by_s = -dot(normal, frame.s_axis) / (up * frame.size * dot(frame.s_axis, frame.s_axis));
-    const double by_t = -dot(normal, frame.t_axis) / (up * frame.size * dot(frame.t_axis, frame.t_axis));
-    const auto [along, across] = frame.rows.place(local[0], local[1]);
-    const Row_circles::Slopes rows = frame.rows.slopes(local[0], local[1]);
-    const double determinant = rows.along_by_s * rows.across_by_t - rows.along_by_t * rows.across_by_s;
-    solver_.points().add_slope(along, across, (by_s * rows.across_by_t - by_t * rows.across_by_s) / determinant,
-                               (by_t * rows.along_by_s - by_s * rows.along_by_t) / determinant, weight);
+    const double by_along = -turned[0] * turn.distance / (up * frame.size * dot(frame.s_axis, frame.s_axis));
+    const double by_across = -turned[1] / (up * frame.size * dot(frame.t_axis, frame.t_axis));
+    solver_.points().add_slope(place[0], place[1], by_along, by_across, weight);
   }
 
   const Surface_arrays* surface_;
