@@ -1,5 +1,7 @@
 #include "surface/curved_surfaces.h"
 
+#include <recurve/surface/fit_vertices.h>
+
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -7,6 +9,7 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -200,6 +203,52 @@ TEST_CASE("a few long faces round a surface of revolution are as good as many", 
     CHECK(faces > 20 * sides);
     CHECK(largest < 1e-4 * straight);
   }
+}
+
+TEST_CASE("rows of long faces beside a rim are not bent by its jitter", "[fit_vertices]")
+{
+  // a half cylinder of faces that are eight times as long as wide, along its axis; its rims are two of its lines
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> jitter(-0.25, 0.25);
+  constexpr int columns = 24, rows = 12;
+  const auto surface = [&](double a, double b) {
+    return on_cylinder(0.5 * (a + jitter(random) / columns), 4 * std::numbers::pi * b);
+  };
+  const Vertex_fits<Mesh> fits = fitted(make_mesh(mapped_grid(columns, rows, false, surface)), 4);
+  for (const Vertex_fit& fit : fits.all())
+    CHECK(fit.rows.are_straight());
+}
+
+TEST_CASE("normals as data where rows of long faces bend", "[fit_vertices]")
+{
+  constexpr double ring = 2, tube = 0.8;
+  Mesh mesh = make_mesh(grid_torus(12, 32, ring, tube, 0, 1));
+  const auto normals = mesh.add_property_map<Mesh::Vertex_index, Kernel::Vector_3>("v:normal").first;
+  for (const auto v : mesh.vertices())
+  {
+    const Point x = to_point(mesh.point(v));
+    const double r = std::hypot(x[0], x[1]), out = (r - ring) / r;
+    normals[v] = Kernel::Vector_3(out * x[0], out * x[1], x[2]) / tube;
+  }
+  const auto with_normals = recurve::fit_vertices(mesh, {.degree = 2, .data = Vertex_fit_data::points_and_normals},
+                                                  CGAL::parameters::vertex_normal_map(normals));
+  int bent = 0;
+  double largest = 0, largest_without = 0;
+  const Vertex_fits<Mesh> without = fitted(mesh, 2);
+  const auto off = [&](const Vertex_fit& fit) {
+    const double r = std::hypot(fit.origin[0], fit.origin[1]), out = (r - ring) / r;
+    const Point n = fit.normal(0, 0);
+    return 1 - (n[0] * out * fit.origin[0] + n[1] * out * fit.origin[1] + n[2] * fit.origin[2]) / tube;
+  };
+  for (std::size_t v = 0; v < mesh.number_of_vertices(); ++v)
+    if (!with_normals.all()[v].rows.are_straight())
+    {
+      ++bent;
+      largest = std::max(largest, off(with_normals.all()[v]));
+      largest_without = std::max(largest_without, off(without.all()[v]));
+    }
+  CHECK(bent > 0);
+  CHECK(largest < largest_without / 4); // of half the square of an angle
 }
 
 TEST_CASE("curvatures where rows of long faces bend", "[fit_vertices]")

@@ -18,8 +18,8 @@ enum class Lowering_reason : std::uint8_t
   displacement, ///< the fit moved the face or an edge farther than `largest_displacement` of the options
   no_normal,    ///< the face has no area, hence no tangent plane: straight at once
   undetermined, ///< the points around do not tell the terms of the degree apart
-  disagreement  ///< of a fit of a vertex with that of two degrees less, with what the normals tell or with the fit at
-                ///< the other end of an edge
+  disagreement  ///< of a fit of a vertex with that of two degrees less, with what the normals tell or with the fit or
+                ///< its degree at the other end of an edge
 };
 
 /// "not finite", ... in lower case, as in reports.

@@ -32,7 +32,7 @@ enum class Vertex_fit_state : std::uint8_t
 /// The surface near the vertex is the set of points x with w = height(s, t), where s = (x - origin) . s_axis, t = (x -
 /// origin) . t_axis and w = (x - origin) . n. The axes span the plane; they measure the neighbours of the vertex, so
 /// that s and t of these are about 1 however long and thin the faces are. The height is a polynomial of s and t; where
-/// rows of long faces bend, all three coordinates are first turned back along these.
+/// rows of long faces bend, all three coordinates are first turned back about the axis of their row.
 ///
 /// A view: the coefficients are kept elsewhere, by the `Vertex_fits` that a fit comes from. A copy is of use as long as
 /// these, or copies of them, are there. `height()` and what builds on it read the coefficients of `degree`.
@@ -70,13 +70,14 @@ struct Vertex_fit
             r[0] * t_axis[0] + r[1] * t_axis[1] + r[2] * t_axis[2], r[0] * n[0] + r[1] * n[1] + r[2] * n[2]};
   }
 
-  /// local coordinates along and across the rows and over these, between which the polynomial is.
+  /// coordinates along and across the rows, and the height over these, which the polynomial tells from the former.
   Point row_coordinates(const Point& x) const { return rows.place(local_coordinates(x)); }
 
   /// the polynomial.
   double height_in_rows(double along, double across) const;
   Height height_and_slopes_in_rows(double along, double across) const;
 
+  /// over the plane; where bent rows are far from it any number, or none.
   double height(double s, double t) const;
   Height height_and_slopes(double s, double t) const;
 
@@ -169,8 +170,9 @@ inline double Vertex_fit::way_along(const Point& x, const Point& direction) cons
 
 inline double Vertex_fit::way_from(const Point& start, const Point& step) const
 {
-  // Newton's method. The surface is nearly across the direction, so that three steps give all digits.
-  constexpr int most_steps = 5;
+  // Newton's method. The surface is nearly across the direction, so that three steps give all digits; over bent rows,
+  // far along them, it takes more.
+  constexpr int most_steps = 10;
   double way = 0;
   for (int i = 0; i < most_steps; ++i)
   {
@@ -180,7 +182,7 @@ inline double Vertex_fit::way_from(const Point& start, const Point& step) const
     const Point ahead = rows.change(local, step);
     const double change = (surface.value - at[2]) / (ahead[2] - surface.by_s * ahead[0] - surface.by_t * ahead[1]);
     way += change;
-    if (std::abs(change) <= 1e-15 * size)
+    if (std::abs(change) <= 1e-15 * std::max(size, std::abs(way)))
       break;
   }
   return way;

@@ -4,6 +4,7 @@
 #include <recurve/surface/internal/number_pair.h>
 #include <recurve/surface/internal/surface_arrays.h>
 #include <recurve/surface/internal/vector_3.h>
+#include <recurve/surface/local_fit.h>
 #include <recurve/surface/vertex_fit.h>
 
 #include <algorithm>

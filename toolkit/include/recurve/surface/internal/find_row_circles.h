@@ -7,7 +7,8 @@
 namespace recurve::internal::surface {
 
 /// Finds how the rows of faces bend at a vertex. A circle through the vertex along s is where x = |x|^2 / 2 times its
-/// curvature, a vector; so this is sought by linear regression of the neighbours.
+/// curvature, a vector; so this is sought by linear regression of the neighbours. (Without a constant term: that would
+/// explain what neighbours on one side of a rim have in common.)
 class Row_finder
 {
 public:
@@ -15,13 +16,9 @@ public:
   void add(const Point& local)
   {
     const double half_square = 0.5 * (local[0] * local[0] + local[1] * local[1] + local[2] * local[2]);
-    count_ += 1;
-    q_ += half_square;
     qq_ += half_square * half_square;
-    t_ += local[1];
     tt_ += local[1] * local[1];
     tq_ += local[1] * half_square;
-    w_ += local[2];
     wq_ += local[2] * half_square;
   }
 
@@ -29,20 +26,14 @@ public:
   /// it is for all faces that are not much longer than wide.
   Row_circles circles() const
   {
-    constexpr double unexplained = 0.5; // of the sum of squares: what remains is 0.7 times as wide at most
-    const double spread = count_ * qq_ - q_ * q_;
-    if (!(spread > 0))
+    constexpr double explained = 0.5; // of the sum of squares: what remains is 0.7 times as wide at most
+    if (!(tq_ * tq_ > explained * tt_ * qq_))
       return {};
-    const double bend = (count_ * tq_ - q_ * t_) / spread;
-    const double offset = (t_ - bend * q_) / count_;
-    const double remaining = tt_ - offset * t_ - bend * tq_;
-    if (!(remaining < unexplained * tt_))
-      return {};
-    return {.bend_in_plane = bend, .bend_off_plane = (count_ * wq_ - q_ * w_) / spread};
+    return {.bend_in_plane = tq_ / qq_, .bend_off_plane = wq_ / qq_};
   }
 
 private:
-  double count_ = 0, q_ = 0, qq_ = 0, t_ = 0, tt_ = 0, tq_ = 0, w_ = 0, wq_ = 0;
+  double qq_ = 0, tt_ = 0, tq_ = 0, wq_ = 0;
 };
 
 } // namespace recurve::internal::surface

@@ -4,8 +4,11 @@
 #include <recurve/core/progress.h>
 #include <recurve/surface/internal/edge_displacement.h>
 #include <recurve/surface/internal/surface_arrays.h>
+#include <recurve/surface/internal/vector_3.h>
+#include <recurve/surface/internal/vertex_fit_judge.h>
 #include <recurve/surface/internal/vertex_fit_store.h>
 #include <recurve/surface/internal/vertex_fitter.h>
+#include <recurve/surface/reconstruction_report.h>
 #include <recurve/surface/vertex_fit.h>
 
 #include <tbb/blocked_range.h>
@@ -15,6 +18,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -153,11 +157,11 @@ private:
     return poor;
   }
 
-  /// a lower degree where a neighbour has one that is far lower, and where the fit of a neighbour displaces the edge
+  /// a lower degree where a neighbour has one that is far lower, or where the fit of a neighbour displaces the edge
   /// between them otherwise and is nearer to what the normals tell.
   std::int8_t degree_wanted(Index v)
   {
-    Vertex_outcome& outcome = outcomes_[static_cast<std::size_t>(v)];
+    const Vertex_outcome& outcome = outcomes_[static_cast<std::size_t>(v)];
     if (outcome.state != Vertex_fit_state::curved || outcome.degree <= 2)
       return degrees_[v]; // a parabola is as harmless as fits are
     Estimated_bend bend;
@@ -165,7 +169,7 @@ private:
     {
       const Index neighbor = surface_.neighbors[i];
       if (is_far_below(neighbor, outcome))
-        return static_cast<std::int8_t>((outcome.degree - 1) / 2 * 2);
+        return lowered(v);
       const double own = displacements_[i];
       const double others = opposite_displacement(v, neighbor);
       const double difference = std::abs(own - others);
@@ -174,23 +178,39 @@ private:
       const double edge_length = length(subtract(surface_.points[neighbor], surface_.points[v]));
       if (bend.longest_edge == 0) // not known yet
         bend = estimated_bend(surface_, v, (*fits_)[v]);
-      const double estimate = bend.displacement(surface_, (*fits_)[v], v, neighbor);
+      const double estimate = estimate_of_edge(v, neighbor, bend);
       if (difference > bend.negligible_displacement(edge_length) &&
           std::abs(own - estimate) >= std::abs(others - estimate))
-      {
-        if (degrees_[v] >= bounds_.degree)
-          outcome.reason = Lowering_reason::disagreement;
-        return static_cast<std::int8_t>((outcome.degree - 1) / 2 * 2);
-      }
+        return lowered(v);
     }
     return degrees_[v];
   }
 
-  /// whether the fit of `neighbor` had to be so much lower that the points around cannot resolve what a polynomial of
-  /// the degree of `own` has to tell. (Rims apart, where higher degrees are asked for than elsewhere.)
+  /// the next lower degree for a vertex that does not go with its neighbours; notes that as the reason.
+  std::int8_t lowered(Index v)
+  {
+    Vertex_outcome& outcome = outcomes_[static_cast<std::size_t>(v)];
+    if (degrees_[v] >= bounds_.degree)
+      outcome.reason = Lowering_reason::disagreement;
+    return static_cast<std::int8_t>((outcome.degree - 1) / 2 * 2);
+  }
+
+  /// what the normals tell of the edge, the same from both ends.
+  double estimate_of_edge(Index v, Index neighbor, const Estimated_bend& bend) const
+  {
+    const Vertex_fit &own = (*fits_)[v], &other = (*fits_)[neighbor];
+    const double estimate = bend.displacement(surface_, own, v, neighbor);
+    if (own.rows.are_straight() && other.rows.are_straight())
+      return estimate;
+    const Estimated_bend others = estimated_bend(surface_, neighbor, other);
+    return 0.5 * (estimate + others.displacement(surface_, other, neighbor, v));
+  }
+
+  /// whether the fit of `neighbor` is so much lower that the points around hardly resolve what a polynomial of the
+  /// degree of `own` has to tell. (Rims apart, where higher degrees are asked for than elsewhere.)
   bool is_far_below(Index neighbor, const Vertex_outcome& own) const
   {
-    constexpr int largest_step = 4;
+    constexpr int largest_step = 4; // measured on coarse aerofoils: single degrees of 6 and 8 beside 0 and 2 are wrong
     const Vertex_outcome& other = outcomes_[static_cast<std::size_t>(neighbor)];
     return other.counts() && own.degree <= bounds_.degree && own.degree > other.degree + largest_step;
   }

@@ -49,7 +49,7 @@ public:
     fit_.degree = degree;
     fit_.coefficients = room(degree);
     if (is_finite)
-      fit_.state = degree > 0 ? Vertex_fit_state::curved : Vertex_fit_state::flat;
+      fit_.state = degree > 0 || !fit_.rows.are_straight() ? Vertex_fit_state::curved : Vertex_fit_state::flat;
     return is_finite;
   }
 

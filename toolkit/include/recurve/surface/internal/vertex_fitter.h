@@ -49,8 +49,8 @@ inline constexpr double greatest_cosine_of_tilt = 0.99;
 /// as it lies in the plane, has 1.7.
 inline constexpr double least_ratio_of_rows = 1.6;
 
-/// The same when the row is straightened, from which on faces are long: the fewer a vertex's neighbours are, the more
-/// often they are in a circle by accident.
+/// The same when the row is straightened, from which on faces are long: the few neighbours of a vertex may be in a
+/// circle by accident, and 2 made errors on irregular triangles five times as large.
 inline constexpr double least_ratio_in_rows = 4;
 
 /// Cosine between the normal of a fit and one that is data, from which on it is of use: slopes below ten.
@@ -80,19 +80,21 @@ public:
         frame.vertex_normal == Point{0, 0, 0})
       return result;
     const bool spans_plane = set_axes(vertex, frame.vertex_normal, frame);
-    draft_.set_flat(frame, spans_plane ? Vertex_fit_state::planar : Vertex_fit_state::none);
+    set_straight(frame, spans_plane ? Vertex_fit_state::planar : Vertex_fit_state::none);
     if (!spans_plane || is_in_planar_part(vertex, frame))
       return result;
     result.reason.reset();
-    const Estimated_bend bend = estimated_bend(*surface_, vertex, frame);
+    Estimated_bend bend = estimated_bend(*surface_, vertex, frame);
     const int first = gather_first(vertex, frame, degree);
     for (int d = first; d > 0; d = (d - 1) / 2 * 2)
     {
       if (d < first)
         gather_points(vertex, frame, d);
+      if (!frame.rows.are_straight())
+        bend = estimated_bend(*surface_, vertex, frame); // the points may have another plane
       if (is_planar_)
       {
-        draft_.set_flat(frame, has_faces_in_plane(vertex, frame) ? Vertex_fit_state::planar : Vertex_fit_state::flat);
+        set_straight(frame, has_faces_in_plane(vertex, frame) ? Vertex_fit_state::planar : Vertex_fit_state::flat);
         return result;
       }
       result.stencil_size = builder_.size();
@@ -105,7 +107,7 @@ public:
       if (d <= bounds_.degree && !result.reason)
         result.reason = verdict.reason;
     }
-    draft_.set_flat(frame, Vertex_fit_state::flat);
+    set_straight(frame, Vertex_fit_state::flat);
     return result;
   }
 
@@ -116,6 +118,13 @@ public:
   std::span<const double> displacements() const { return judge_memory_.displacements; }
 
 private:
+  /// makes `draft()` the plane of a frame, without its rows.
+  void set_straight(Vertex_fit frame, Vertex_fit_state state)
+  {
+    frame.rows = {};
+    draft_.set_flat(frame, state);
+  }
+
   /// sets the frame over the plane across `n`. \return whether the neighbours span a plane.
   bool set_axes(Index vertex, const Point& n, Vertex_fit& fit)
   {
@@ -164,7 +173,6 @@ private:
   double set_rows(Index vertex, double s_unit, double t_unit, Vertex_fit& fit)
   {
     Row_finder finder;
-    finder.add({0, 0, 0});
     for_neighbors(vertex, [&](const Point& x) {
       const Point local = fit.local_coordinates(x);
       finder.add({s_unit * local[0], t_unit * local[1], local[2]});
