@@ -121,10 +121,12 @@ std::vector<Shape> stretched_shapes()
                     [](const Point& x) { return distance_to_torus(x, 2, 0.8); }});
   // Long faces in rows that bend: near the top the straight ones are right by accident along some circle.
   for (const int sides : {8, 10, 12, 14, 16, 20, 32})
-    for (const double tube : {0.3, 0.8, 1.5})
-      shapes.push_back({"torus of " + std::to_string(sides) + " times 100 sides, tube " + std::to_string(tube),
-                        grid_torus(sides, 100, 2, tube, 0, 1),
-                        [=](const Point& x) { return distance_to_torus(x, 2, tube); }});
+    for (const int rings : {10, 24, 100})
+      for (const double tube : {0.3, 0.8, 1.5})
+        shapes.push_back({"torus of " + std::to_string(sides) + " times " + std::to_string(rings) + " sides, tube " +
+                            std::to_string(tube),
+                          grid_torus(sides, rings, 2, tube, 0, 1),
+                          [=](const Point& x) { return distance_to_torus(x, 2, tube); }});
   const auto add_wing = [&](const std::string& name, const Plane_curve& curve, int chords,
                             const std::function<double(double)>& spacing) {
     const Distance distance = [curve](const Point& x) { return distance_to_curve(curve, x); };

@@ -49,6 +49,7 @@ struct Vertex_fit
   double size = 1;                 ///< unit of the heights and mean distance of the neighbours, a length > 0
   std::int32_t degree = 0;         ///< 0 to max_vertex_fit_degree
   Vertex_fit_state state = Vertex_fit_state::none;
+  bool is_last_resort = false;                            ///< a parabola where higher degrees were asked for and failed
   std::span<const double> coefficients = {&no_height, 1}; ///< coefficient_count(degree) of them: of powers j and k at
                                                           ///< coefficient_number(j, k), in units of `size`; [0] is 0
 

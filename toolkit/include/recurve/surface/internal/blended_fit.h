@@ -126,22 +126,24 @@ private:
       for (std::size_t i = 0; i < static_cast<std::size_t>(count_); ++i)
         limit(i, ways[i], most);
     }
-    doubt_parabolas(ways);
+    doubt_last_resorts(ways);
   }
 
-  /// Beside a corner where no fit was good enough a parabola, which is what is left where no other fit is, may be wrong
-  /// too, also one that was asked for: few points tell to which side such a surface bends. It moves the middle no
-  /// farther than is certain, which is part of what the normals tell. (Measured on coarse aerofoils: with more, faces
-  /// at points of inflection are worse than straight ones; with nothing, blunt noses stay straight.)
-  void doubt_parabolas(const std::array<double, 4>& ways)
+  /// A parabola that is what is left after better fits have failed moves the middle no farther than the normals tell,
+  /// and beside a corner where it has failed as well by what is certain of that: few points tell to which side such a
+  /// surface bends. (Measured on coarse aerofoils and tori: believed more, faces at points of inflection are worse than
+  /// straight ones; believed less, blunt noses stay straight.)
+  void doubt_last_resorts(const std::array<double, 4>& ways)
   {
     const auto fits = std::span(fits_).first(static_cast<std::size_t>(count_));
-    if (std::none_of(fits.begin(), fits.end(), [](auto fit) { return fit->state == Vertex_fit_state::flat; }))
+    if (std::none_of(fits.begin(), fits.end(), [](auto fit) { return fit->is_last_resort; }))
       return;
-    const double certain = certain_part * way_by_normals();
+    const bool has_failed =
+      std::any_of(fits.begin(), fits.end(), [](auto fit) { return fit->state == Vertex_fit_state::flat; });
+    const double likely = (has_failed ? certain_part : 1) * way_by_normals();
     for (std::size_t i = 0; i < fits.size(); ++i)
-      if (fits[i]->degree <= 2)
-        limit(i, ways[i], ways[i] * certain > 0 ? std::abs(certain) : 0);
+      if (fits[i]->is_last_resort)
+        limit(i, ways[i], ways[i] * likely > 0 ? std::abs(likely) : 0);
   }
 
   /// has the displacement of the middle by a fit be `most` at most.

@@ -98,6 +98,7 @@ public:
         return result;
       }
       result.stencil_size = builder_.size();
+      frame.is_last_resort = d <= 2 && bounds_.degree > 2;
       draft_.set_flat(frame, Vertex_fit_state::flat);
       Fit_verdict verdict = {Lowering_reason::not_finite, false};
       if (solver_.solve(d, draft_))
