@@ -50,7 +50,7 @@ inline constexpr double greatest_cosine_of_tilt = 0.99;
 inline constexpr double least_ratio_of_rows = 1.6;
 
 /// The same when the row is straightened, from which on faces are long: the few neighbours of a vertex may be in a
-/// circle by accident, and 2 made errors on irregular triangles five times as large.
+/// circle by accident, and 2 made errors on irregular meshes nearly three times as large.
 inline constexpr double least_ratio_in_rows = 4;
 
 /// Cosine between the normal of a fit and one that is data, from which on it is of use: slopes below ten.
